@@ -144,7 +144,8 @@ static bool compare(const struct check *check, const struct scene *scene,
     bool lit = lit_pixels(&expected) > (size_t)film.width * film.height / 2;
     snprintf(result->expected, sizeof result->expected, "%016" PRIx64, film_hash(&expected));
     if (!lit)
-        snprintf(result->why, sizeof result->why, "the picture is black");
+        snprintf(result->why, sizeof result->why,
+                 "the expected image is mostly black, so equal images prove nothing");
     return check_seen(result, lit && bits_are_same(&film, &expected), "%016" PRIx64,
                       film_hash(&film));
 }
@@ -160,8 +161,9 @@ static bool run_variant(const struct check *check, const struct check_case *this
     // On GPUs, compilers may contract floating-point operations differently when kernels contain
     // additional code (docs/design.md).
     if (variant->compile_all && !check->gpu->info.is_cpu)
-        return check_not_run(result, "additional features in kernels may change the rounding on "
-                                     "this device; only CPUs keep the bits");
+        return check_not_run(result,
+                             "additional features in kernels may change the rounding on this "
+                             "device; only CPUs are required to keep the bits");
     if (variant->from_storage && check->gpu->storage_count < SHADING_STORAGE)
         return check_not_run(
             result, "the device binds too few storage buffers to do without texel buffers");

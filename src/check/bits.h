@@ -17,7 +17,7 @@ struct bits_variant {
     // Samples of the first calls; the last call renders the rest of BITS_SAMPLES.
     uint32_t first_calls[2];
     bool restarted;      // samples with another seed are rendered before
-    bool representative; // is run even if only some of the variants are
+    bool representative; // also runs when a test runs only a selection of the variants
 };
 
 extern const struct bits_variant bits_variants[];

@@ -203,7 +203,7 @@ static bool measure_energy(struct renderer *r, uint32_t material, union bsdf_ite
     return measure_energy_from(looking, r, material, items, off, err);
 }
 
-// Measures the same from directions 89.9 and 89.99 degrees from the normal.
+// Measures the excess energy from directions 89.9 and 89.99 degrees from the normal.
 static bool measure_grazing_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
                                    double *off, struct err *err)
 {

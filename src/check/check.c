@@ -27,7 +27,8 @@ bool check_run(const struct check *check, const struct check_case *this_case,
     uint32_t told = check->gpu->validation_messages - messages;
     if (told > 0) {
         result->outcome = CHECK_FAILED;
-        snprintf(result->why, sizeof result->why, "%u messages of the validation layers", told);
+        snprintf(result->why, sizeof result->why,
+                 "the validation layers reported %u messages; expected none", told);
     }
     result->seconds = clock_seconds_since(start);
     return ok || err->code != ERR_STOPPED;

@@ -28,7 +28,8 @@ static double relative_error(double value, double expected)
     return expected > 0.0 ? value / expected - 1.0 : value == 0.0 ? 0.0 : INFINITY;
 }
 
-// Returns the half-width in units of the expected value. If that is 0, any width is infinite.
+// Returns the half-width in units of the expected value. If the expected value is 0, any half-width
+// above 0 counts as infinite.
 static double relative_width(double half_width, double expected)
 {
     return expected > 0.0 ? half_width / expected : half_width == 0.0 ? 0.0 : INFINITY;

@@ -35,7 +35,8 @@ struct closed_form {
     enum instancing instancing; // instancing of the scene's meshes
 };
 
-// A row of the table of cases: FUNCTION_is is the text of the formula that FUNCTION computes.
+// Defines a row of the table of cases. FUNCTION_is is the text of the formula that FUNCTION
+// computes.
 // clang-format off
 #define FORM(title, file, function, ...)                                                           \
     {.name = title, .expected = function##_is, .run = closed_form_run,                             \
@@ -48,7 +49,7 @@ struct closed_form {
 // Turns its argument into a string with a value for the scene file.
 #define JSON(...) #__VA_ARGS__
 
-// Red, green and blue; all scenes use these values.
+// Albedo and emitted radiance that all scenes use; red, green and blue.
 extern const double closed_form_albedo[3], closed_form_emission[3];
 
 // A closed form and how to render it.
@@ -62,8 +63,8 @@ struct closed_form_trial {
     double half_width_max;
 };
 
-// The results, relative to the expected values, for each channel. For a form without variance they
-// are those of the worst pixel.
+// The results for each channel. `bias` and `half_width` are relative to the expected value. For a
+// form without variance, `mean` and `bias` are those of the worst pixel.
 struct closed_form_seen {
     double expected[3], mean[3], bias[3], t[3], half_width[3];
     uint64_t samples;

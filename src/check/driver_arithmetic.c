@@ -75,8 +75,8 @@ static double either_product(const driver_item *in, const driver_item *out)
     return ulps(out->f[0], (double)in->f[0] * (double)in->f[1]);
 }
 
-// Returns the error of the rounding error of a sum. Doubles represent the exact results: these
-// operations need at most 53 bits.
+// Returns 0 if the sum and its rounding error are exact, and 1 otherwise. Doubles represent the
+// exact results, because these operations need at most 53 bits.
 static double rest_of_sum(const driver_item *in, const driver_item *out)
 {
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] + (double)in->f[1] ? 0.0 : 1.0;
@@ -87,7 +87,7 @@ static double rest_of_product(const driver_item *in, const driver_item *out)
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] * (double)in->f[1] ? 0.0 : 1.0;
 }
 
-// Returns the error in units of 2^-46 of the operand with the greater magnitude
+// Returns the error of a sum in units of 2^-46 of the operand with the greater magnitude
 // (lib/double_float.glsl).
 static double about_sum(const driver_item *in, const driver_item *out)
 {
@@ -102,8 +102,8 @@ static double about_product(const driver_item *in, const driver_item *out)
     return fabs((double)out->f[0] + (double)out->f[1] - product) / (0x1p-46 * fabs(product));
 }
 
-// Generates operands for which a b + c depends on whether the product is rounded: c is nearly -(a
-// b).
+// Generates operands for which a b + c depends on whether the product is rounded, because c is
+// nearly the negated product.
 static void fill_contraction(uint64_t *state, uint32_t index, driver_item *item)
 {
     (void)index;
@@ -118,8 +118,8 @@ static double error_of_precise(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], product + in->f[2]);
 }
 
-// Returns the error if two results may be rounded to either neighbour: the product, and a sum that
-// is 2^-10 of it.
+// Returns the error if both roundings may choose either neighbour: that of the product, and that of
+// the sum, which is 2^-10 of the product.
 static double either_precise(const driver_item *in, const driver_item *out)
 {
     double product = (double)in->f[0] * (double)in->f[1];
@@ -391,7 +391,7 @@ static const struct check_case cases[] = {
                                         .error_of_any = either_precise}},
     {"division", "within 2.5 ulp",
      ARITHMETIC(CHECK_QUOTIENT, fill_floats, error_of_quotient, 2.5, "ulp")},
-    {"square root", "within 5 ulp: those of inversesqrt() and a division",
+    {"square root", "within 5 ulp, the sum of the bounds of inversesqrt() and a division",
      ARITHMETIC(CHECK_ROOT, fill_positive, error_of_root, 5.0, "ulp")},
     {"the driver's sine and cosine", "within 2^-11 from -pi to pi",
      ARITHMETIC(CHECK_SINE, fill_angle, error_of_sine, 0x1p-11, "off")},
@@ -402,7 +402,7 @@ static const struct check_case cases[] = {
      ARITHMETIC(CHECK_INTEGERS, fill_words, error_of_integers)},
     {"halves", "every finite half becomes the float of its value, or 0 if it is denormal",
      ARITHMETIC(CHECK_HALVES, fill_halves, error_of_halves)},
-    {"conversions", "24 bits to float, floor, and to integers",
+    {"conversions", "exact: 24-bit integers to float, floor(), float to integers",
      ARITHMETIC(CHECK_CONVERSIONS, fill_conversions, error_of_conversions)},
 };
 

@@ -47,7 +47,7 @@ static bool judge_turns(const struct check *check, const struct driver_run *run,
     (void)check, (void)run;
     uint32_t turns = out[0].u[0];
     if (turns == TURNS_ASKED)
-        return check_seen(result, true, "all of %u", turns);
+        return check_seen(result, true, "all %u iterations", turns);
     return check_seen(result, turns >= TURNS_NEEDED, "the loop ends after %u iterations", turns);
 }
 

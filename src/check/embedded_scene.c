@@ -21,7 +21,7 @@ bool embedded_scene_load(const char *name, const struct scene_override *override
     struct scene_load_params params = {
         .path = name, .text = find(name), .overrides = overrides, .is_strict = true};
     if (!params.text)
-        return err_set(err, ERR_BUG, "%s: the program has no scene of that name", name);
+        return err_set(err, ERR_BUG, "%s: no scene of this name is embedded in the program", name);
     while (overrides && overrides[params.override_count].key)
         params.override_count++;
     return scene_load(&params, out, err);

@@ -35,11 +35,11 @@ static double slope_irradiance(const double t[2], const double ends[2])
     return ends[0] * even + slope * (rising - t[0] * even);
 }
 
-// The radiance that a plane reflects under the image. For cos^k itself it is 2 rho Le / (k + 2);
-// but the image's radiance is linear between the centres of rows, which widens a peak. For k = 1000
-// the image has 2.44e-5 more than cos^k, and for k up to 10 it differs by at most 1.3e-7. Above the
-// centre of the first row the radiance is that of the row. If the image has a step at the horizon,
-// only its upper half counts.
+// Returns the radiance that a plane reflects under the image. For cos^k itself it is 2 rho Le / (k
+// + 2). But the image's radiance is linear between the centres of rows, which widens a peak: the
+// irradiance is greater than that of cos^k by a factor of 1 + 2.44e-5 for k = 1000, and differs by
+// at most 1.3e-7 for k up to 10. Above the centre of the first row the radiance is that of the row.
+// If the image has a step at the horizon, only its upper half counts.
 static double power(double rho, double le, double k)
 {
     double h = M_PI / POWER_ROWS, first = (double)power_texel(k, 0);
@@ -53,7 +53,7 @@ static double power(double rho, double le, double k)
     }
     return 2.0 * rho * le * sum;
 }
-static const char power_is[] = "2 rho Le / (k + 2), but for the interpolation of rows";
+static const char power_is[] = "2 rho Le / (k + 2), corrected for the interpolation of rows";
 
 // Returns the irradiance that a patch of radiance 1 causes.
 static double patch_of_sun(void)
@@ -72,18 +72,21 @@ static double tent_of_sun(void)
     return 2.0 * M_PI / SUN_WIDTH * sin(2.0 * a) * sin(h) * sin(h) / (2.0 * h);
 }
 
-// The radiance under an image with one bright texel; all others have radiance `dim`.
+// Returns the radiance that the plane reflects under an image with one bright texel; all other
+// texels have radiance `dim`.
 static double patch(double rho, double le, double dim)
 {
     return rho / M_PI * le * (dim * M_PI + (SUN_RADIANCE - dim) * patch_of_sun());
 }
-static const char patch_is[] = "(rho / pi) Le cos (2 pi / W) (cos t0 - cos t1), and the others";
+static const char patch_is[] =
+    "(rho / pi) Le cos (2 pi / W) (cos t0 - cos t1), plus the other texels";
 
 static double tent(double rho, double le, double dim)
 {
     return rho / M_PI * le * (dim * M_PI + (SUN_RADIANCE - dim) * tent_of_sun());
 }
-static const char tent_is[] = "(rho / pi) Le (2 pi / W) sin 2a sin^2 h / (2 h), and the others";
+static const char tent_is[] =
+    "(rho / pi) Le (2 pi / W) sin 2a sin^2 h / (2 h), plus the other texels";
 
 static double nothing(double rho, double le, double unused)
 {
@@ -127,8 +130,8 @@ static bool set_sun(struct scene *scene, double dim, struct err *err)
     return true;
 }
 
-// Makes the environment black: by its texels (which = 0), by its factor (1), or by its texels above
-// the plane (2).
+// Makes the sky above the plane black: by its texels (which = 0), by its factor (1), or by only the
+// texels above the plane (2).
 static bool set_black(struct scene *scene, double which, struct err *err)
 {
     if (!set_image(scene, 5, 3, which == 1.0 ? SUN_RADIANCE : 0.0, err))

@@ -20,22 +20,23 @@ static double closed(double rho, double le, double bounces)
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// The radiance inside glass; `part` is the square of the index of refraction.
+// Returns the radiance inside glass; `part` is the square of the index of refraction.
 static double all(double rho, double le, double part)
 {
     (void)rho;
     return part * le;
 }
-static const char all_is[] = "Le times a known part";
+static const char all_is[] = "Le times a known factor";
 
-// The radiance seen through fog (index of refraction 1) with the transmittance rho per metre.
+// Returns the radiance seen through fog (index of refraction 1) with the transmittance rho per
+// metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
 }
 static const char fog_is[] = "Le exp(-sigma length)";
 
-// A room with the camera inside of an emissive field.
+// Defines a room that is an emissive distance field, with the camera inside.
 // clang-format off
 #define ROOM(x, y, z, ...)                                                                         \
     {"camera", JSON({"position": [x, y, z], "direction": [0.3, -0.2, -1], "fov_degrees": 90})},    \

@@ -3,7 +3,7 @@
 #include "check/closed_form.h"
 #include <math.h>
 
-// The first seed of these forms, which differ from the seeds of all other closed forms.
+// A first seed for these forms that differs from the seeds of all other closed forms.
 #define FIRST_SEED 200000u
 
 static double radians(double degrees)
@@ -23,11 +23,12 @@ static double all(double rho, double le, double value)
     (void)rho;
     return value * le;
 }
-static const char all_is[] = "Le times a known part";
+static const char all_is[] = "Le times a known factor";
 
-// The visibility next to a wall of height 1 from z = -1 to 1 at the distance d: 1 - 2 F, where F is
-// the configuration factor of one half of the wall, (atan(1 / d) - d / r atan(1 / r)) / (2 pi), r^2
-// = d^2 + 1 (Howell's catalogue of configuration factors, B-4).
+// Returns the visibility at a point next to a wall of height 1 that extends from z = -1 to 1 at the
+// distance d. It is 1 - 2 F, where F is the configuration factor of one half of the wall, (atan(1 /
+// d) - d / r atan(1 / r)) / (2 pi) with r^2 = d^2 + 1 (Howell's catalogue of configuration factors,
+// B-4).
 static double beside_wall(double rho, double le, double d)
 {
     double r = sqrt(d * d + 1.0);
@@ -81,8 +82,8 @@ static double from_slab(double rho, double le, double degrees)
 }
 static const char from_slab_is[] = "Le (R + the sum of T^2 R^(2k+1))";
 
-// At most three events are followed: refraction into the glass and two reflections, or refraction
-// in and out.
+// Follows at most three events: refraction into the glass and two reflections, or refraction into
+// the glass and out of it.
 static double shallow_slab(double rho, double le, double degrees)
 {
     (void)rho;
@@ -97,8 +98,9 @@ static double shallow_from_slab(double rho, double le, double degrees)
 }
 static const char shallow_from_slab_is[] = "Le (R + T^2 R)";
 
-// A point light 1 m away, 60 degrees off the normal, which is also the viewing direction: kd / pi +
-// ks (n + 2) / (2 pi) cos^n, with ks = 1/4 and kd at most 1 - ks.
+// Returns the radiance under a point light 1 m away, 60 degrees off the normal. The camera is in
+// the direction of the light. The BRDF is kd / pi + ks (n + 2) / (2 pi) cos^n, with ks = 1/4 and kd
+// at most 1 - ks.
 static double phong(double rho, double le, double n)
 {
     double kd = fmin(rho, 0.75), cosine = 0.5;
@@ -106,15 +108,16 @@ static double phong(double rho, double le, double n)
 }
 static const char phong_is[] = "Le cos (kd / pi + ks (n + 2) cos^n / (2 pi))";
 
-// A sphere of radius 1 at (d, d, 0) causes the same irradiance as a point at its centre with the
-// same power.
+// Returns the radiance under a sphere of radius 1 at (d, d, 0), which causes the same irradiance as
+// a point at its centre with the same power.
 static double sphere_above(double rho, double le, double d)
 {
     return rho * le / (2.0 * d * d) * sqrt(0.5);
 }
 static const char sphere_above_is[] = "rho Le (r / d)^2 cos";
 
-// A disc of area pi at the height h, facing the floor: pi le / h^2 at the point below its centre.
+// Returns the radiance below a disc of area pi at the height h, facing the floor. As a point light
+// it causes the irradiance pi le / h^2 at the point below its centre.
 static double disc_above(double rho, double le, double h)
 {
     return rho * le / (h * h);
@@ -169,7 +172,8 @@ static const struct check_case forms[] = {
     FORM("ao, below a disc", "floor_light.json", part, 0.5, BY_STATISTICS, 0,
      {AO, {"light", JSON({"type": "disc", "material": "light", "center": [0, 1, 0],
                           "normal": [0, -1, 0], "radius": 1})}}),
-    // The part of the disc within the distance 0.8: its radius^2 is 0.8^2 - 0.5^2.
+    // Only the part of the disc within the distance 0.8 occludes; the square of its radius is 0.8^2
+    // - 0.5^2.
     FORM("ao, as far as 0.8", "floor_light.json", part, 1 - 0.39 / 0.64, BY_STATISTICS, 0,
      {{"settings", JSON({"integrator": "ao", "ao_distance": 0.8, "sampler": "pcg"})},
       {"light", JSON({"type": "disc", "material": "light", "center": [0, 0.5, 0],

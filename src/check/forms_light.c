@@ -34,8 +34,9 @@ static double closed(double rho, double le, double bounces)
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// A point light of intensity `le` in the centre of a sphere of radius 2. The wall's first
-// reflection is (le / 2^2) rho / pi; the series above follows.
+// Returns the radiance of the wall with a point light of intensity `le` in the centre of a sphere
+// of radius 2. The wall's first reflection is (le / 2^2) rho / pi; the geometric series of closed()
+// follows.
 static double lamp_in_sphere(double rho, double le, double bounces)
 {
     return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
@@ -43,14 +44,14 @@ static double lamp_in_sphere(double rho, double le, double bounces)
 static const char lamp_in_sphere_is[] =
     "(rho / pi) (I / R^2) (1 - rho^d) / (1 - rho) for d bounces";
 
-// A point light at `distance`, 60 degrees off the normal.
+// Returns the radiance under a point light at `distance`, 60 degrees off the normal.
 static double lamp_above(double rho, double le, double distance)
 {
     return rho / M_PI * le * 0.5 / (distance * distance);
 }
 static const char lamp_above_is[] = "rho I cos / (pi d^2)";
 
-// A point light at 2 m with a range of 3 m (KHR_lights_punctual).
+// Returns the radiance under a point light at 2 m with a range of 3 m (KHR_lights_punctual).
 static double lamp_with_range(double rho, double le, double unused)
 {
     (void)unused;
@@ -64,8 +65,8 @@ static double sun_above(double rho, double le, double degrees)
 }
 static const char sun_above_is[] = "rho E cos / pi";
 
-// A spot light 2 m above, whose axis misses the point by 10 degrees. `outer` is its outer cone
-// angle; the inner one is half of it (KHR_lights_punctual).
+// Returns the radiance under a spot light 2 m above, whose axis misses the point by 10 degrees.
+// `outer` is its outer cone angle in degrees; the inner angle is half of it (KHR_lights_punctual).
 static double spot_above(double rho, double le, double outer)
 {
     double degree = M_PI / 180.0, edge = cos(outer * degree);
@@ -75,8 +76,8 @@ static double spot_above(double rho, double le, double outer)
 }
 static const char spot_above_is[] = "rho I / (pi d^2) clamp((cos - cos o) / (cos i - cos o))^2";
 
-// A spot light with inner angle 0 and outer angle 0.5 degrees, whose axis misses the point by 0.25
-// degrees.
+// Returns the radiance under a spot light with inner angle 0 and outer angle 0.5 degrees, whose
+// axis misses the point by 0.25 degrees.
 static double narrow_spot(double rho, double le, double unused)
 {
     (void)unused;
@@ -86,8 +87,9 @@ static double narrow_spot(double rho, double le, double unused)
 }
 static const char narrow_spot_is[] = "rho I / (pi d^2) ((cos - cos o) / 0.001)^2";
 
-// A square of side 2, parallel to the surface element and centred above it: four times factor B-3,
-// which is that of a rectangle a x b with a corner above the element; here a = b = 1 / height.
+// Returns the radiance below a square of side 2, parallel to the surface element and centred above
+// it. Its factor is four times B-3, the factor of a rectangle a x b with a corner above the
+// element; here a = b = 1 / height.
 static double square_above(double rho, double le, double height)
 {
     double a = 1.0 / height, root = sqrt(1.0 + a * a);
@@ -96,9 +98,9 @@ static double square_above(double rho, double le, double height)
 }
 static const char square_above_is[] = "rho Le F, factor B-3";
 
-// Square lamps, none of which occludes another: the square at height 1, and the first few of these
-// meshes. By default each of up to five lamps gets a shadow ray, and one of six or more is selected
-// by the light tree.
+// The square lamps of the scenes with several lamps; none occludes another. A scene has the square
+// at height 1 and the first few of these meshes. By default a surface point sends a shadow ray to
+// each of up to five lamps; of six or more, the light tree selects one.
 struct square_lamp {
     double x, y, z, side; // centre, and half of the side
     double emission;      // radiance relative to the other lamps
@@ -152,25 +154,26 @@ static bool add_square_lamps(struct scene *scene, double meshes, struct err *err
     return true;
 }
 
-// A disc of radius 1, parallel to the surface element and centred above it: the integral of 2 r h^2
-// / (r^2 + h^2)^2 dr over rings of radius r.
+// Returns the radiance below a disc of radius 1, parallel to the surface element and centred above
+// it. The factor is the integral of 2 r h^2 / (r^2 + h^2)^2 dr over rings of radius r.
 static double disc_above(double rho, double le, double height)
 {
     return rho * le / (1.0 + height * height);
 }
 static const char disc_above_is[] = "rho Le R^2 / (R^2 + h^2)";
 
-// A sphere of radius r = 1 completely above the horizon, at (d, d, 0): (r / d')^2 times the cosine
-// of the angle to its centre, where d' = sqrt(2) d is the distance.
+// Returns the radiance under a sphere of radius r = 1 completely above the horizon, at (d, d, 0).
+// The factor is (r / d')^2 times the cosine of the angle to its centre, where d' = sqrt(2) d is the
+// distance.
 static double sphere_above(double rho, double le, double d)
 {
     return rho * le / (2.0 * d * d) * sqrt(0.5);
 }
 static const char sphere_above_is[] = "rho Le (r / d)^2 cos";
 
-// docs/verification.md, C15: a sphere of radius 1 that touches the floor 5 cm away. It is
-// completely above the horizon and fills almost half of the hemisphere: (r / d)^2 cos with cos = 1
-// / d.
+// Returns the radiance for docs/verification.md, C15: a sphere of radius 1 touches the floor 5 cm
+// away. It is completely above the horizon and fills almost half of the hemisphere. The factor is
+// (r / d)^2 cos with cos = 1 / d.
 static double touching_sphere(double rho, double le, double unused)
 {
     (void)unused;
@@ -178,8 +181,8 @@ static double touching_sphere(double rho, double le, double unused)
 }
 static const char touching_sphere_is[] = "rho Le (r / d)^2 cos";
 
-// docs/verification.md, C14: a power of 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2
-// r^2)) at the distance 1e4.
+// Returns the radiance for docs/verification.md, C14: a power of 1e8 W from a sphere of radius 1e-4
+// (Le = power / (4 pi^2 r^2)) at the distance 1e4.
 static double pinpoint(double rho, double le, double unused)
 {
     (void)unused;
@@ -189,7 +192,7 @@ static const char pinpoint_is[] = "rho Le (r / d)^2 cos";
 
 static double square_above(double rho, double le, double height);
 
-// A square, a point light, a sun and a spot together.
+// Returns the radiance under a square, a point light, a sun and a spot together.
 static double all_lights(double rho, double le, double unused)
 {
     (void)unused;
@@ -200,10 +203,10 @@ static const char all_lights_is[] = "the sum of B5 to B8";
 
 static const double triangle[3][3] = {{-0.5, 0.25, 0.5}, {0.75, 0.5, 0.25}, {0.5, 1.5, -0.5}};
 
-// Lambert's sum over the edges of a polygon completely above the horizon of a floor in y = 0
-// (Lambert 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|. beta_i is the angle that
-// edge i subtends at the origin, and gamma_i the angle between the floor's normal and the normal of
-// the plane through the edge and the origin.
+// Returns the radiance by Lambert's sum over the edges of a polygon completely above the horizon of
+// a floor in y = 0 (Lambert 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|. beta_i
+// is the angle that edge i subtends at the origin, and gamma_i the angle between the floor's normal
+// and the normal of the plane through the edge and the origin.
 static double triangle_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -219,8 +222,8 @@ static double triangle_above(double rho, double le, double unused)
 }
 static const char triangle_above_is[] = "rho (Le / 2 pi) |sum of beta cos gamma|";
 
-// Two equal squares of side 1 at distance 1. The mean over one of them is factor C-11 with X = Y =
-// 1.
+// Returns the mean radiance of one of two equal squares of side 1 at distance 1. The mean
+// configuration factor is C-11 with X = Y = 1.
 static double facing_squares(double rho, double le, double unused)
 {
     (void)unused;
@@ -230,7 +233,7 @@ static double facing_squares(double rho, double le, double unused)
 }
 static const char facing_squares_is[] = "rho Le F, factor C-11";
 
-// Two infinite plates: L1 = Le + rho L2, L2 = rho L1.
+// Returns the radiance of one of two infinite plates: L1 = Le + rho L2, L2 = rho L1.
 static double plates(double rho, double le, double unused)
 {
     (void)unused;
@@ -244,9 +247,9 @@ static double mirrors(double rho, double le, double count)
 }
 static const char mirrors_is[] = "R^k Le for k mirrors";
 
-// The mean radiance over the disc of the sphere is (2/3) rho E / pi (Lambert's sphere at full
-// phase), where E / pi = Le sin^2 of the light's angular radius. The disc fills pi / 2.2^2 of the
-// image.
+// Returns the mean radiance of the image. Over the disc of the sphere the mean is (2/3) rho E / pi
+// (Lambert's sphere at full phase), where E / pi = Le sin^2 of the light's angular radius. The disc
+// fills pi / 2.2^2 of the image.
 static double full_moon(double rho, double le, double light_radius)
 {
     double mean = 2.0 / 3.0 * rho * le * light_radius * light_radius;
@@ -254,7 +257,7 @@ static double full_moon(double rho, double le, double light_radius)
 }
 static const char full_moon_is[] = "(2/3) rho E / pi over the disc";
 
-// Layers of surfaces with opacity 0.3.
+// Returns the radiance seen through layers of surfaces with opacity 0.3.
 static double veiled(double rho, double le, double layers)
 {
     (void)rho;
@@ -286,7 +289,7 @@ static const char part_covered_is[] = "0.3 Le";
         "emission", "[1, 2, 4]"                                                                    \
     }
 
-// A point light in the plane z = 0 above the point on the floor.
+// Defines a point light in the plane z = 0 above the point on the floor.
 #define LAMP_AT(x, y) JSON({"type" : "point", "position" : [ x, y, 0 ], "intensity" : [ 1, 2, 4 ]})
 #define SUN_FROM(x, y)                                                                             \
     JSON({"type" : "directional", "direction" : [ -x, -y, 0 ], "irradiance" : [ 1, 2, 4 ]})

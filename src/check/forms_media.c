@@ -6,7 +6,7 @@
 
 #include <complex.h>
 
-// The first seed of these forms, which differ from the seeds of all other closed forms.
+// A first seed for these forms that differs from the seeds of all other closed forms.
 #define FIRST_SEED 100000u
 
 // --- the forms ----------------------------------------------------------------------------------
@@ -39,7 +39,7 @@ static double all(double rho, double le, double part)
     (void)rho;
     return part * le;
 }
-static const char all_is[] = "Le times a known part";
+static const char all_is[] = "Le times a known factor";
 
 static double colored(double rho, double le, double part)
 {
@@ -70,7 +70,8 @@ static double from_slab(double rho, double le, double degrees)
 }
 static const char from_slab_is[] = "Le (1 - (1 - R) / (1 + R))";
 
-// Two walls of a box, each of which is a thin sheet with two interfaces.
+// Returns the radiance through two walls of a box, each of which is a thin sheet with two
+// interfaces.
 static double through_sheets(double rho, double le, double degrees)
 {
     (void)rho;
@@ -78,8 +79,8 @@ static double through_sheets(double rho, double le, double degrees)
 }
 static const char through_sheets_is[] = "Le (1 - R) / (1 + 3 R)";
 
-// A slab of thickness 1 and index of refraction 1, whose medium has the transmittance rho at
-// distance 1.
+// Returns the radiance through a slab of thickness 1 and index of refraction 1, whose medium has
+// the transmittance rho at distance 1.
 static double through_fog(double rho, double le, double degrees)
 {
     return le * pow(rho, 1.0 / cos(radians(degrees)));
@@ -94,7 +95,8 @@ static double through_tinted_slab(double rho, double le, double degrees)
 }
 static const char through_tinted_slab_is[] = "Le (1 - R)^2 tau / (1 - R^2 tau^2)";
 
-// A ball of radius 1, passed at the distance b from its centre.
+// Returns the radiance through a ball of radius 1 along a line that passes its centre at the
+// distance b.
 static double through_ball_of_fog(double rho, double le, double b)
 {
     return le * pow(rho, 2.0 * sqrt(1.0 - b * b));
@@ -109,26 +111,26 @@ static double through_extremes(double rho, double le, double unused)
 }
 static const char through_extremes_is[] = "0, Le / 2 and Le";
 
-// The reflectance of the metal that METAL defines below.
+// Returns the radiance that the metal METAL, defined below, reflects. rho identifies the channel.
 static double metal(double rho, double le, double degrees)
 {
     double complex n = rho > 0.6 ? 0.2 + 3.9 * I : rho > 0.3 ? 0.9 + 2.4 * I : 1.5 + 1.9 * I;
     return le * reflectance(degrees, n);
 }
-static const char metal_is[] = "Le R, Fresnel's of a complex index";
+static const char metal_is[] = "Le R, with Fresnel's R for a complex index";
 
 static double reflected(double rho, double le, double degrees)
 {
     (void)rho;
     return le * reflectance(degrees, 1.5);
 }
-static const char reflected_is[] = "Le R, Fresnel's";
+static const char reflected_is[] = "Le R, with Fresnel's R";
 
 static double half_reflected(double rho, double le, double degrees)
 {
     return 0.5 * reflected(rho, le, degrees);
 }
-static const char half_reflected_is[] = "Le R / 2, Fresnel's";
+static const char half_reflected_is[] = "Le R / 2, with Fresnel's R";
 
 #define GLASS                                                                                      \
     {                                                                                              \
@@ -255,20 +257,21 @@ static const struct check_case forms[] = {
     FORM("B22 GGX, alpha 1, at 60", "plate.json", all, .45069, BY_STATISTICS, 0,
      {WHITE("1"), AT_60}),
 
-    // A sheet transmits the light that it does not reflect, with the same microfacet normals.
+    // A thin sheet transmits all light that it does not reflect, about the same microfacet normals,
+    // so the total is that of the white plate.
     FORM("B22 thin rough sheet, alpha 0.5", "plate.json", all, .68785, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "dielectric", "thin": true, "roughness": 0.7071067811865476,
                       "compensate": false})}}),
-    // For alpha = 1 all microfacet normals are equally likely, D = 1 / pi, for Phong's distribution
-    // too. At normal incidence the integral is that of c / (1 + c) dc = 1 - ln 2, with these
-    // masking functions as well.
+    // For alpha = 1 all microfacet normals are equally likely, with Phong's distribution too: D = 1
+    // / pi. At normal incidence the directional albedo is the integral of c / (1 + c) dc = 1 - ln
+    // 2, with the masking functions of these cases too.
     FORM("A6a Phong microfacets, alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
      {ALPHA_1(JSON("distribution": "phong"))}),
     FORM("A6a GGX and l.h, alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
      {ALPHA_1(JSON("masking": "lh"))}),
     FORM("A6a GGX and Schlick's masking, alpha 1", "plate.json", all, .3068528194400547,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick_ggx"))}),
-    // Normalised by the specular reflectance at normal incidence.
+    // These lobes are normalised to reflect specular_color at normal incidence.
     FORM("A6a Phong", "plate.json", colored, 1, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "phong", "base_color": [0, 0, 0], "exponent": 10,
                       "specular_color": [0.8, 0.5, 0.2]})}}),
@@ -303,20 +306,21 @@ static const struct check_case forms[] = {
      {{"slab", JSON({"type": "dielectric", "ior": 1,
                      "extinction": [1e6, 0.6931471805599453, 1e-9]})}}),
 
-    // Choices of methods other than the defaults.
+    // These cases choose methods other than the defaults.
     LONG_FORM("A6a Phong's exponent 0 is alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "microfacet", "base_color": [0, 0, 0], "distribution": "phong",
                       "phong_exponent": 0})}}),
-    // Half of the integral of c / (c (1 - k) + k) dc, which is (1 / (1 - k) + k ln(k) / (1 - k)^2)
-    // / 2 with k = sqrt(2 / pi).
+    // The value is half of the integral of c / (c (1 - k) + k) dc, which is (1 / (1 - k) + k ln(k)
+    // / (1 - k)^2) / 2 with k = sqrt(2 / pi).
     LONG_FORM("A6a GGX and Schlick's own masking, alpha 1", "plate.json", all, .2687840285229841,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick"))}),
-    // Half of the integral, over the cosine, of the rational approximation of G1 at cot(theta), by
-    // quadrature. With the bounded G1 the result is at most 1 - ln 2.
+    // The value is half of the integral, over the cosine, of the rational approximation of G1 at
+    // cot(theta), by quadrature. With the bounded G1 the result is at most 1 - ln 2.
     LONG_FORM("A6a GGX and unbounded rational masking, alpha 1", "plate.json", all, .3792765160930264,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "rational_unbounded"))}),
-    // At normal incidence: 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx over the cosine
-    // x of the half angle. At a cosine of .1: .97900 by quadrature, plus the mirror's .9^5.
+    // At normal incidence the value is 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx
+    // over the cosine x of the half angle. At a cosine of .1 it is .97900, by quadrature, plus the
+    // mirror's .9^5.
     FORM("A6a uncoupled base", "plate.json", all, .9999181118594366, BY_STATISTICS, 0, {UNCOUPLED}),
     FORM("A6a uncoupled base, grazing", "plate.json", all, 1.5694851171966855, BY_STATISTICS, 0,
      {UNCOUPLED, AT_GRAZING}),
@@ -324,8 +328,8 @@ static const struct check_case forms[] = {
      {WHITE("0.7071067811865476"), BY_D}),
     LONG_FORM("B22 GGX, alpha 0.5, grazing, normals by D", "plate.json", all, .86011, BY_STATISTICS, 0,
      {WHITE("0.7071067811865476"), AT_GRAZING, BY_D}),
-    // Dielectric: the specular colour times the exact Fresnel curve. Metal: its colour times
-    // Schlick's curve.
+    // A dielectric has the specular colour times the exact Fresnel curve; a metal has its colour
+    // times Schlick's curve.
     FORM("A6a mixed Fresnel at 60", "plate.json", half_reflected, 60, WITHOUT_VARIANCE, 0,
      {{"plate", MIXED(JSON("base_color": [0, 0, 0]))}, AT_60}),
     FORM("A6a mixed Fresnel of a metal at 60", "plate.json", all, .403125, WITHOUT_VARIANCE, 0,

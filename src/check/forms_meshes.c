@@ -24,15 +24,16 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// A sun of irradiance `le` on a slope; `cosine` is that of the angle between the slope's normal and
-// the direction to the sun.
+// Returns the radiance of a slope under a sun of irradiance `le`; `cosine` is that of the angle
+// between the slope's normal and the direction to the sun.
 static double slope(double rho, double le, double cosine)
 {
     return rho * le * cosine / M_PI;
 }
 static const char slope_is[] = "rho E cos / pi";
 
-// The radiance seen through fog (index of refraction 1) with the transmittance rho per metre.
+// Returns the radiance seen through fog (index of refraction 1) with the transmittance rho per
+// metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
@@ -95,8 +96,8 @@ static bool add_dead_lamps(struct scene *scene, double unused, struct err *err)
 
 // --- identical and coplanar triangles ------------------------------------------------------------
 
-// Adds triangles in the plane of the floor: with the other diagonal, and with the other
-// orientation. No triangle may shadow another one.
+// Adds a floor and a second one in the same plane, whose triangles have the other diagonal and the
+// other orientation. No triangle may shadow another one.
 static bool add_two_floors(struct scene *scene, double unused, struct err *err)
 {
     static const double corners[6][2] = {{1, -1}, {-1, -1}, {-1, 1}, {1, -1}, {-1, 1}, {1, 1}};
@@ -131,7 +132,8 @@ static bool place(struct scene *scene, const double rows[3][4])
     return true;
 }
 
-// Adds a cube of fog that is mirrored, or flattened and sheared; `metres` is its extent along z.
+// Both functions add a cube of fog: a mirrored one, and one that is flattened and sheared. `metres`
+// is its extent along z.
 static bool add_mirrored_fog(struct scene *scene, double metres, struct err *err)
 {
     const double rows[3][4] = {{-1.5, 0, 0, 0.2}, {0, 1, 0, -0.1}, {0, 0, metres, 0}};

@@ -6,8 +6,8 @@
 
 // --- scales --------------------------------------------------------------------------------------
 
-// The scene all_lengths.json: a square of side 2 at 1 m (factor B-3), a point light at 1 m and 60
-// degrees, and a slab of fog with the transmittance 2^-k along an oblique ray.
+// Returns the radiance of the scene all_lengths.json. It has a square of side 2 at 1 m (factor
+// B-3), a point light at 1 m and 60 degrees, and a slab of fog that an oblique ray crosses.
 static double all_lengths(double rho, double le, double unused)
 {
     (void)unused;
@@ -36,7 +36,8 @@ static const struct check_case scales[] = {
 
 // --- distances -----------------------------------------------------------------------------------
 
-// The scene far.json: a sphere or a disc of radius 1 in an image of 4 by 4.
+// Returns the mean radiance of the scene far.json, which shows a sphere or a disc of radius 1 in a
+// field of view 4 m wide and high.
 static double part_filled(double rho, double le, double unused)
 {
     (void)rho, (void)unused;
@@ -88,9 +89,9 @@ static const struct check_case distances[] = {
 
 // --- small lamps ---------------------------------------------------------------------------------
 
-// The scene small_lamp.json: a lamp of area A at d = (2, 1, 0) with radiance le / A. If cos and
-// cos' are the cosines of the angles between its direction and the two normals, the result is rho
-// le cos cos' / (pi d^2).
+// Returns the radiance of the floor in the scene small_lamp.json, with a lamp of area A at d = (2,
+// 1, 0) and with the radiance le / A. It is rho le cos cos' / (pi d^2), where cos and cos' are the
+// cosines of the angles between the direction to the lamp and the two normals.
 static double level_lamp(double rho, double le, double unused)
 {
     (void)unused;
@@ -98,8 +99,8 @@ static double level_lamp(double rho, double le, double unused)
 }
 static const char level_lamp_is[] = "rho Le A cos cos' / (pi d^2)";
 
-// The same for a lamp with the two edges of TILTED, whose radiance is le over the square of their
-// unit.
+// Returns the radiance for the lamp TILTED. Its two edges are given in a unit of 1e-7 m, and its
+// radiance is le over the square of this unit.
 static double tilted_lamp(double rho, double le, double unused)
 {
     (void)unused;

@@ -24,7 +24,7 @@ static double closed(double rho, double le, double bounces)
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// Two infinite planes that face each other; the lower one emits.
+// Returns the radiance of one of two infinite planes that face each other; the lower plane emits.
 static double plates(double rho, double le, double unused)
 {
     (void)unused;
@@ -38,7 +38,8 @@ static double sun_above(double rho, double le, double degrees)
 }
 static const char sun_above_is[] = "rho E cos / pi";
 
-// A square of side 2, centred above the point: four times factor B-3 of Howell's catalogue.
+// Returns the radiance below a square of side 2, centred above the point: four times factor B-3 of
+// Howell's catalogue.
 static double square_above(double rho, double le, double height)
 {
     double a = 1.0 / height, root = sqrt(1.0 + a * a);
@@ -66,8 +67,8 @@ static double parallelogram(const double center[3], const double u[3], const dou
     return 0.5 * sum / M_PI;
 }
 
-// A box with half edges (0.9, 0.5, 1.4), rotated by 30 degrees about z, at (1, 1.5, 0.5): the sum
-// over the faces that face the origin.
+// Returns the radiance under a box with half edges (0.9, 0.5, 1.4), rotated by 30 degrees about z,
+// at (1, 1.5, 0.5). The factor is the sum over the faces that face the origin.
 static double box_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -95,8 +96,8 @@ static double piece(const double p[3], const double normal[3])
 
 #define STEPS 600
 
-// A closed cylinder of radius 0.8 about the axis from (1, 1, -1) to (1.5, 2, 1), computed by the
-// midpoint rule over its side and its caps.
+// Returns the radiance under a closed cylinder of radius 0.8 about the axis from (1, 1, -1) to
+// (1.5, 2, 1). The factor is computed by the midpoint rule over the side and the caps.
 static double cylinder_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -132,8 +133,8 @@ static double cylinder_above(double rho, double le, double unused)
 }
 static const char cylinder_above_is[] = "rho Le F by quadrature";
 
-// An upright open cylinder of radius 1 from height 1 to 3. The inside of its wall is visible
-// between the directions to its lower and its upper rim.
+// Returns the radiance below an upright open cylinder of radius 1 from height 1 to 3. The inside of
+// its wall is visible between the directions to its lower and its upper rim.
 static double tube_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -141,22 +142,23 @@ static double tube_above(double rho, double le, double unused)
 }
 static const char tube_above_is[] = "rho Le (F of a disc - F of another)";
 
-// A disc of radius 0.5, so close that it fills the hemisphere.
+// Returns the radiance under a disc of radius 0.5, so close that it almost fills the hemisphere.
 static double touching(double rho, double le, double gap)
 {
     return rho * le * 0.25 / (0.25 + gap * gap);
 }
 static const char touching_is[] = "rho Le R^2 / (R^2 + h^2)";
 
-// The radiance inside glass; `part` is the square of the index of refraction.
+// Returns the radiance inside glass; `part` is the square of the index of refraction.
 static double all(double rho, double le, double part)
 {
     (void)rho;
     return part * le;
 }
-static const char all_is[] = "Le times a known part";
+static const char all_is[] = "Le times a known factor";
 
-// The radiance seen through fog (index of refraction 1) with the transmittance rho per metre.
+// Returns the radiance seen through fog (index of refraction 1) with the transmittance rho per
+// metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
@@ -165,8 +167,8 @@ static const char fog_is[] = "Le exp(-sigma length)";
 
 // --- the scenes ---------------------------------------------------------------------------------
 
-// The camera is inside of a room as large as `scale`; these macros define the camera and the room's
-// shapes.
+// The camera is inside of a room that extends by the argument of BOX, SPHERE, CYLINDER or PIPE in
+// each direction. These macros define the camera and the room's shapes.
 // clang-format off
 #define EYE(x, y, z)                                                                               \
     {"camera", JSON({"position": [x, y, z], "direction": [0.3, -0.2, -1], "fov_degrees": 90})}
@@ -177,14 +179,14 @@ static const char fog_is[] = "Le exp(-sigma length)";
 #define SPHERE(a) {"type": "sphere", "material": "glowing", "radius": a}
 #define CYLINDER(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [0, -a, 0],   \
     "to": [0, a, 0]}
-// An open cylinder that is closed by two discs.
+// Defines an open cylinder that is closed by two discs.
 #define PIPE(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [-a, 0, 0],       \
     "to": [a, 0, 0], "caps": "${open}"},                                                               \
     {"type": "disc", "material": "glowing", "radius": a, "center": [a, 0, 0], "normal": [1, 0, 0]},\
     {"type": "disc", "material": "glowing", "radius": a, "center": [-a, 0, 0], "normal": [1, 0, 0]}
 #define SIDE(x, y, z, a, b, c, d, e, f) {"type": "quad", "material": "glowing", "as": "analytic",  \
     "corner": [x, y, z], "u": [a, b, c], "v": [d, e, f]}
-// The sides of a room, some of which have the opposite orientation.
+// Defines the sides of a room, some of which have the opposite orientation.
 #define SIDES                                                                                      \
     SIDE(-1, -1, -1, 2, 0, 0, 0, 2, 0), SIDE(-1, -1, 1, 2, 0, 0, 0, 2, 0),                         \
     SIDE(-1, -1, -1, 0, 0, 2, 2, 0, 0), SIDE(-1, 1, -1, 2, 0, 0, 0, 0, 2),                         \
@@ -199,8 +201,8 @@ static const char fog_is[] = "Le exp(-sigma length)";
 #define ROOM_FILE "sphere_furnace.json"
 #define FLOOR_FILE "floor_light.json"
 #define LIGHT(...) {"light", JSON(__VA_ARGS__)}
-// The distance between floor and light is less than the distance between floor and camera in the
-// file, so the camera is moved between them.
+// The light is closer to the floor than the camera of the file is, so this camera is placed between
+// the floor and the light.
 #define SQUEEZED {"camera", JSON({"position": [0, 2e-5, 0], "direction": [0, -1, 0],               \
     "up": [0, 0, 1], "fov_degrees": 5e-5})}
 #define GROUND(...) {"shapes", "[" JSON(__VA_ARGS__) "]"}

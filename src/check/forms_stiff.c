@@ -40,8 +40,8 @@ static const char nothing_is[] = "0";
 
 // --- many lamps ----------------------------------------------------------------------------------
 
-// Adds n x n triangles with legs of LAMP_SIZE, parallel to the floor at height 1, over a square of
-// side 2. One of them is as bright as all others together.
+// The lamps are n x n triangles with legs of LAMP_SIZE, parallel to the floor at height 1,
+// distributed over a square of side 2. One lamp is n^2 times as bright as each other lamp.
 #define LAMP_SIZE 1e-4
 
 static void lamp_corner(uint32_t n, uint32_t index, double out[3])
@@ -56,7 +56,8 @@ static uint32_t bright_lamp(uint32_t n)
     return n / 3 * n + n / 2;
 }
 
-// The sum over all lamps of rho / pi Le A cos^2 / d^2, where both cosines are 1 / d at height 1.
+// Returns the sum over all lamps of rho / pi Le A cos^2 / d^2, where both cosines are 1 / d at
+// height 1.
 static double lamps(double rho, double le, double side)
 {
     uint32_t n = (uint32_t)side;
@@ -75,7 +76,7 @@ static const char lamps_is[] = "the sum of rho Le A cos cos' / (pi d^2)";
 
 // --- meshes ------------------------------------------------------------------------------------
 
-// A floor of strips; each has two triangles 1 m long and 1e-6 m wide.
+// The number of strips of a floor; each strip has two triangles 1 m long and 1e-6 m wide.
 #define STRIPS 256
 
 static bool add_slivers(struct scene *scene, double unused, struct err *err)
@@ -96,7 +97,7 @@ static bool add_slivers(struct scene *scene, double unused, struct err *err)
     return true;
 }
 
-// Adds a mesh whose vertices have no normals.
+// Adds a mesh whose vertex normals are all zero.
 static bool add_without_normals(struct scene *scene, double unused, struct err *err)
 {
     if (!add_slivers(scene, unused, err))

@@ -88,8 +88,8 @@ static bool add_long(struct scene *scene, double count, struct err *err)
     return add_place(scene, &p, err);
 }
 
-// Uses texture coordinates at this distance plus 3/8 of an image of four texels; these are exact in
-// single precision up to 2^20.
+// Uses the texture coordinate `far` + 3/8 with an image of four texels. Such coordinates are exact
+// in single precision up to 2^20.
 static bool add_far(struct scene *scene, double far, struct err *err)
 {
     const struct image_place p = {

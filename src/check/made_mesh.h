@@ -1,4 +1,4 @@
-// Meshes and images that cases generate, because scene files cannot express them.
+// Meshes that cases generate, because scene files cannot express them.
 #ifndef LAMPYRIS_CHECK_MADE_MESH_H
 #define LAMPYRIS_CHECK_MADE_MESH_H
 

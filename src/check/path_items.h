@@ -4,9 +4,9 @@
 
 #include "render/render.h"
 
-// Replaces the items, of `bytes` bytes each, by the kernel's output. There is one thread per item;
-// batches fit into the buffer and a wave. This changes the renderer's push constants, so that it
-// must not be used for rendering any more.
+// Replaces the items, of `bytes` bytes each, by the kernel's output. There is one thread per item.
+// Items that do not fit into the buffer at once are run in several batches. This changes the
+// renderer's push constants, so the renderer must not render any more.
 bool path_items_run(struct renderer *renderer, const struct gpu_kernel *kernel, void *items,
                     uint32_t count, size_t bytes, struct err *err);
 

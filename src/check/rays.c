@@ -13,7 +13,7 @@ struct closed_mesh {
     uint32_t triangles; // number of triangles of a bumpy ball; 0: a cube
     double center[3], radius;
     // A second object on the opposite side of the origin makes the scene so large that flattening
-    // does not move its origin.
+    // does not move the scene's origin.
     bool is_wide;
     enum instancing instancing;
     uint32_t rays, may_leave;
@@ -105,7 +105,8 @@ static void aim_at_edges(const struct flat_scene *flat, const struct closed_mesh
 }
 
 // Sets up rays from the exact centre of a cube to all vertices and to the midpoints of edges and
-// diagonals, so that some components of the directions are 0. The ray's number selects the signs.
+// diagonals, so that some components of the directions are 0. The ray's number selects the signs of
+// these zeros.
 static void aim_along_axes(const struct flat_scene *flat, struct traced *traced)
 {
     for (uint32_t i = 0; i < traced->count; i++) {
@@ -172,7 +173,8 @@ static bool try_mesh(const struct closed_mesh *mesh, struct renderer *r, struct 
     bool as_asked = (r->flat.placed_count > 0) == (mesh->instancing == INSTANCING_ON);
     return trace(r, &traced, &missed, err) &&
            check_seen(result, as_asked && missed <= mesh->may_leave, "%u of %u rays escape%s",
-                      missed, mesh->rays, as_asked ? "" : ", at another level of instances");
+                      missed, mesh->rays,
+                      as_asked ? "" : ", and the instancing is not as requested");
 }
 
 static bool run_rays(const struct check *check, const struct check_case *this_case,
@@ -205,8 +207,8 @@ static bool run_rays(const struct check *check, const struct check_case *this_ca
 #define LONG_RAYS(title, words, ...)                                                               \
     {.name = title, .expected = words, .run = run_rays, .is_long = true,                           \
      .data = &(const struct closed_mesh){__VA_ARGS__}}
-#define NONE "none escapes"
-#define FEW "at most 2e-5 of them escape"
+#define NONE "no ray escapes"
+#define FEW "at most 2e-5 of the rays escape"
 #define EMBREE {148376, 1234, -223423}
 
 static const struct check_case cases[] = {

@@ -8,8 +8,8 @@
 struct refusal {
     const char *scene;                  // name of an embedded scene
     struct scene_override overrides[3]; // ends with the first one that has no key
-    // Adds the invalid input, which is rejected by this call or when the scene is rendered. NULL:
-    // nothing is added.
+    // Adds the invalid input, which is rejected by this call or when a renderer is created for the
+    // scene. NULL: nothing is added.
     bool (*add)(struct scene *scene, const struct refusal *refusal, struct err *err);
     double value;      // parameter of `add`
     const char *words; // text that the message must contain
@@ -19,7 +19,8 @@ struct refusal {
 bool refused_run(const struct check *check, const struct check_case *this_case,
                  struct check_result *result, struct err *err);
 
-// Values of `add`: a triangle with `value` as a coordinate; an image `value` texels wide.
+// Functions for `add`. The first adds a triangle with `value` as a coordinate, the second an image
+// `value` texels wide.
 bool refused_vertex(struct scene *scene, const struct refusal *refusal, struct err *err);
 bool refused_image(struct scene *scene, const struct refusal *refusal, struct err *err);
 

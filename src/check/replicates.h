@@ -11,7 +11,7 @@
 #define REPLICATES_VALUES 64 // greatest number of values per measurement
 
 // The greatest permitted |t|. With 63 degrees of freedom it is exceeded with the probability 1e-3 /
-// 66, so that the error of 66 tests together is 1e-3.
+// 66, so the probability that any of 66 correct tests fails is 1e-3.
 #define REPLICATES_T_MAX 4.7
 
 // A function that computes `count` values from an image.

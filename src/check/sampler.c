@@ -226,15 +226,14 @@ static bool run_samplers(const struct check *check, const struct check_case *thi
         __VA_ARGS__                                                                                \
     }
 
-// Justifies the limits: one of 24 or 60 correlations exceeds 4 / sqrt(n) with a probability of 0.2
-// or 0.4 %, and one of 6 deviates exceeds 4.5 with a probability of 2e-5.
+// The limits permit few false alarms: the probability that any of 24 or 60 correlations exceeds 4 /
+// sqrt(n) is 0.2 or 0.4 %, and that any of 6 deviates exceeds 4.5 is 2e-5.
 static const struct check_case cases[] = {
     {"C37 dimensions up to 2^32", "multiples of 2^-24 in [0, 1)",
      SAMPLERS_ARE(count_outside, 0.0, " that are not")},
     {"C37 1024 and 2^31 dimensions further", "correlations below 4 / sqrt(n)",
      SAMPLERS_ARE(correlate_dimensions, 4.0, " / sqrt(n)")},
-    {"C38 3 and 37 samples",
-     "as many in each of 16 x 16 cells, by chi-square within 4.5 deviations",
+    {"C38 3 and 37 samples", "equal counts in 16 x 16 cells, by chi-square within 4.5 deviations",
      SAMPLERS_ARE(count_cells, 4.5, " deviations")},
     {"C39 seeds 0 to 2^32 - 1", "correlations below 4 / sqrt(n)",
      SAMPLERS_ARE(correlate_seeds, 4.0, " / sqrt(n)")},

@@ -22,8 +22,8 @@ struct sampler_run {
     uint32_t pixel_sampling, pixel_strata;
 };
 
-// Replaces the draws by random numbers or film positions. The renderer defines the image size; it
-// must not be used for rendering any more.
+// Replaces the draws by random numbers or film positions. The renderer determines the image size;
+// it must not render any more.
 bool sampler_run(struct renderer *renderer, const struct sampler_run *run, union draw *draws,
                  uint32_t count, struct err *err);
 

@@ -63,8 +63,8 @@ static bool tell_bound(struct survey *survey, double seconds, double pixels, str
             .name = "few-pixels",
             .level = FINDING_REMARK,
             .place = "the whole scene",
-            .figure = arena_printf(survey->arena, "one sample of %.0f pixels takes %.2g s here",
-                                   pixels, seconds),
+            .figure = arena_printf(survey->arena, "one sample of %.0f pixels takes %.2g s", pixels,
+                                   seconds),
             .consequence = arena_printf(survey->arena,
                                         "This check renders only %u x %u pixels, so that its "
                                         "renders take about %.0f s; it may miss small objects.",
@@ -109,8 +109,9 @@ static bool plan_memory(struct survey *survey, const struct renderer_params *par
     return survey->refusal || err_set(err, failure.code, "%s", failure.msg);
 }
 
-// Returns the bytes of a film at the scene's own size and of waves as large as the device's memory
-// permits. Sets survey->least_bytes to the same without waves.
+// Returns the bytes of the scene, of a film at the scene's own size, and of waves as large as the
+// device's memory permits. Sets survey->least_bytes to the bytes without waves, and
+// survey->small_bytes to those of the small image's render.
 static uint64_t count_bytes(struct survey *survey)
 {
     const struct renderer *renderer = &survey->job.renderer;
@@ -167,8 +168,8 @@ static bool prepare(struct survey *survey, struct err *err)
     return sightlines_take_view(survey, err);
 }
 
-// Ends the job of the small image but keeps its film, so that later renders can use all of the
-// device's memory.
+// Ends the job of the small image and keeps a copy of its pixels, so that later renders can use all
+// of the device's memory.
 static bool end_job(struct survey *survey, struct err *err)
 {
     const struct film_image *film = &survey->job.film;

@@ -81,7 +81,7 @@ static bool find_white(struct survey *survey, struct err *err)
                                    count, materials),
             .consequence = "Such surfaces absorb no light, so closed rooms need many bounces; real "
                            "surfaces absorb some.",
-            .remedy = "Use a \"base_color\" of at most 0.9; white paint has 0.8.",
+            .remedy = "Use a \"base_color\" of at most 0.9; white paint reflects about 0.8.",
             .share = share,
             .pixels = touched,
         },
@@ -99,8 +99,8 @@ static bool find_white(struct survey *survey, struct err *err)
 #define FURNACE_DEPTH 8.0
 #define GAIN_MIN 0.01 // a smaller gain is not distinguished from noise
 
-// Returns whether the material's model can gain energy. The ranges of the parameters exclude it for
-// all other models.
+// Returns whether the material's model can gain energy. In all other models the ranges of the
+// parameters exclude a gain.
 static bool may_gain(const struct survey *survey, uint32_t index)
 {
     const struct material *m = &survey->scene->materials[index];
@@ -117,7 +117,7 @@ struct furnace {
 };
 
 // Returns the texture at whose brightest texel the material is measured: that of the base colour,
-// else of the specular colour, else any other; NULL if there is none.
+// else of the specular colour, else any other that scales a parameter; NULL if there is none.
 static const struct texture *find_leading(const struct scene *scene, const struct material *m)
 {
     static const uint32_t groups[] = {GROUP_BASE, GROUP_SPECULAR};
@@ -162,7 +162,7 @@ static bool lies_alike(const struct texture *a, const struct texture *b)
     return alike;
 }
 
-// Adds an image of constant value, which is the texture's value at a place.
+// Adds an image of constant value: the value of `from` at `place`, or its mean if `place` is NULL.
 static bool add_even_image(struct scene *scene, const struct texture_image *from,
                            const double *place, uint32_t *index, struct err *err)
 {
@@ -335,8 +335,8 @@ struct gain {
     uint32_t ring;
 };
 
-// Returns the index of the ring, in the square of a sphere, that contains a pixel, or
-// FURNACE_RINGS.
+// Returns the index of the ring, in the square of a sphere, that contains a pixel; FURNACE_RINGS if
+// the pixel is outside of the sphere.
 static uint32_t ring_of(uint32_t x, uint32_t y)
 {
     double u = (x + 0.5) / (0.5 * FURNACE_CELL) - 1.0, v = (y + 0.5) / (0.5 * FURNACE_CELL) - 1.0;

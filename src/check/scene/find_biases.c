@@ -57,8 +57,8 @@ bool find_biases(struct survey *survey, struct err *err)
     return true;
 }
 
-// Finds the setting radiance_scaling, which has no effect if light leaves every medium that it
-// enters.
+// Reports the setting radiance_scaling if it changes the image. It has no effect if light leaves
+// every medium that it enters.
 bool find_unscaled(struct survey *survey, struct err *err)
 {
     double *scaled, *unscaled;

@@ -131,8 +131,8 @@ static const uint8_t *touched_by_bounds(struct survey *survey, const struct boun
 }
 
 // Finds the pixels that show the objects or should show them. If there are none, finds the pixels
-// that change through their shadows, reflections or light; NULL if the image is the same without
-// the objects.
+// that change through the objects' shadows, reflections or light. Sets *touched to NULL if the
+// image is the same without the objects.
 static bool find_touched(struct survey *survey, const struct bounds *meshes, const bool *marked,
                          const uint8_t **touched, struct err *err)
 {
@@ -247,7 +247,7 @@ static bool look_at_camera(struct survey *survey, struct err *err)
             .figure =
                 is_lost
                     ? arena_printf(arena,
-                                   "the scene is %g m across and %g m away: %.2g "
+                                   "the scene is %g m across and %g m away, which is %.2g "
                                    "of a pixel",
                                    fault.extent, fault.distance, fault.pixels)
                     : arena_printf(

@@ -12,8 +12,8 @@
 #include <float.h>
 #include <string.h>
 
-// Returns the distance, in metres, within which surfaces count as coincident, given that points of
-// both are rounded.
+// Returns the distance, in metres, within which surfaces count as coincident. The points of both
+// surfaces are rounded.
 static double tolerance_at(const double point[3])
 {
     return 2.0 * sighting_rounding(point);
@@ -44,7 +44,8 @@ static bool is_no_finding(const struct survey *survey, const struct sighting *a,
     return is_twin || share_place || !survey_differs_doubled(survey, a->material, b->material);
 }
 
-// Records that a line hits two surfaces at the distance `apart` along it; 0 if they coincide.
+// Records that a line hits two surfaces. `apart` is their distance along the line; 0 if they
+// coincide.
 static void note_pair(const struct survey *survey, struct coincidences *out, uint32_t line,
                       const struct sighting *a, const struct sighting *b, double apart)
 {
@@ -123,9 +124,10 @@ static struct probe_ray ray_of(const struct drop *drop)
 }
 
 // Returns whether the surface that a ray hits coincides with its target. Kernels ignore the
-// triangle or flat shape on which a ray starts. With other surfaces the ray may hit either of the
-// two first, and of many rays some hit the other one. For a ray along the line of sight, the other
-// surface is in front of the target: the line missed it only because rounding moved it behind.
+// triangle or flat shape on which a ray starts. If the target is another kind of surface, the ray
+// may hit either of the two surfaces first; of many rays, some hit the other one. For a ray along
+// the line of sight, the other surface is in front of the target: the line missed it only because
+// rounding moved it behind.
 static bool lies_upon(const struct survey *survey, const struct drop *drop,
                       const struct probe_ray *ray, const struct probe_hit *hit,
                       struct sighting *other)
@@ -363,7 +365,7 @@ bool coincidences_find(struct survey *survey, const struct sightline *lines, uin
            compare_shapes(survey, lines, count, out, err);
 }
 
-// With fewer lines, they may have hit an edge that two surfaces share.
+// Fewer lines may have hit only an edge that two surfaces share.
 #define LINES_MIN 2
 
 static const char *figure_of(struct survey *survey, const struct coincidences *coincidences)

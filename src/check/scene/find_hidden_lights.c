@@ -25,7 +25,7 @@ struct target {
     bool is_common;
     uint32_t light;  // index of the light in the scene, or SCENE_NONE
     uint32_t source; // index in survey->is_reached
-    // power, as in emitter_power.h, of all surfaces that the target represents; 0 for texels.
+    // Power, as in emitter_power.h, of all surfaces that the target represents; 0 for texels.
     double power;
     double radiance; // mean luminance; INFINITY for delta lights
     double each;     // number of surfaces that the target represents
@@ -96,9 +96,9 @@ static void list_lamps(const struct survey *survey, struct targets *out)
 }
 
 // The number of directions towards the environment. They are sampled in proportion to its radiance,
-// like the renderer's table does. If the radiance is k times the mean, the table selects a
-// direction k times as often as scattered paths do, and the variance of their estimate is about k
-// times the square of that light.
+// as in the renderer's table. If the radiance is k times the mean, the table selects a direction k
+// times as often as scattered paths do, and the variance of the light that these paths estimate is
+// about k times the square of that light.
 #define SKY_TARGETS 1000u
 #define RARE_MIN 16.0
 
@@ -339,7 +339,7 @@ struct tally {
 #define ROUNDS 8u
 
 // Selects a target for a line from a place, a different one in each round. Returns false if none is
-// left. Directions of the environment are sampled by their light.
+// left. The targets in the environment have equal light, so one of them is selected uniformly.
 static bool choose_target(const struct survey *survey, enum aim aim, const struct sighting *at,
                           uint32_t round, const struct targets *targets, struct place *place,
                           struct aimed *aimed)
@@ -374,8 +374,9 @@ static bool begin_line(const struct survey *survey, const struct sighting *at, u
     return side * vec3_dot(line->direction, at->normal) > 0.0;
 }
 
-// Returns whether a line reaches its target, and through how many surfaces it passes. The target on
-// a sphere is a point of the visible side, so the line may hit the lamp itself just before it.
+// Returns whether a line reaches its target, and sets *surfaces to the number of surfaces through
+// which it passes. The target on a sphere is a point of the visible side, so the line may hit the
+// lamp itself just before it.
 static bool arrives(const struct survey *survey, const struct sightline *line, uint32_t *surfaces)
 {
     *surfaces = line->is_open ? line->count : line->count - 1;
@@ -403,8 +404,8 @@ static void note_line(const struct survey *survey, const struct sightline *line,
     place->squares += aimed->sent * aimed->target->radiance;
 }
 
-// Traces one line from each place that can be lit. `lines` and `aimed` must have room for all of
-// them.
+// Traces one line from each place that can be lit. `lines` must have room for survey->line_count
+// entries, and `aimed` for one more.
 static bool trace_round(struct survey *survey, enum aim aim, const struct targets *targets,
                         uint32_t round, struct sightline *lines, struct aimed *aimed,
                         struct tally *tally, struct err *err)
@@ -574,7 +575,7 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
     double share;
     if (!list_targets(survey, aim, &targets, err))
         return false;
-    // An image of low contrast is not tested. It is assumed to light the scene.
+    // An environment image of low contrast is not tested. It is assumed to light the scene.
     survey->is_reached[survey_sky_source(survey)] |= aim == AIM_AT_SKY && targets.rare == 0;
     if (targets.rare == 0)
         return true;

@@ -1,6 +1,6 @@
-// Finds lights that get shadow rays but contribute no light, because all surfaces are out of their
-// range, or because an opaque object encloses them. Then the other lights get fewer shadow rays,
-// and so have more noise.
+// Finds lights that get shadow rays but contribute no light, because all surfaces are outside of
+// their range, or because an opaque object encloses them. The other lights then get fewer shadow
+// rays and have more noise.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -29,8 +29,8 @@ struct rays {
     // distances, the fraction of the power.
     double *parts;
     bool *idle; // a flag for each source that contributes no light
-    // A light tree selects lights, at all vertices or at those after the first ones, which connect
-    // to every lamp.
+    // A light tree selects lights. It is used at all vertices, or only after the first vertices,
+    // which connect to every lamp.
     bool by_tree;
 };
 
@@ -93,8 +93,8 @@ static uint32_t find_busiest(const struct survey *survey, const struct rays *ray
 
 // --- renders with some of the lights -------------------------------------------------------------
 
-// Copies the scene without the `marked` sources, or, if `others` is set, without all sources that
-// are not marked. survey->scratch owns the arrays that differ.
+// Copies the scene without the `marked` sources of light, or, if `others` is set, without the
+// sources that are not marked. survey->scratch owns the arrays that differ.
 static bool put_out(struct survey *survey, const bool *marked, bool others, struct scene *out,
                     struct err *err)
 {
@@ -148,7 +148,7 @@ static bool render_partly(struct survey *survey, const bool *marked, bool others
     return ok;
 }
 
-// Sets *idle to whether the image is black with only the marked lights.
+// Sets *idle to whether the image is almost black with only the marked lights.
 static bool are_idle(struct survey *survey, const bool *marked, bool *idle, struct err *err)
 {
     struct partly_lit lit;
@@ -159,8 +159,8 @@ static bool are_idle(struct survey *survey, const bool *marked, bool *idle, stru
     return true;
 }
 
-// Keeps the suspected lights that contribute no light: all of them together, or those found idle
-// one by one.
+// Keeps the suspected lights that contribute no light: all of them if together they contribute
+// none, otherwise those that are found idle one by one.
 static bool confirm(struct survey *survey, struct rays *rays, struct err *err)
 {
     uint32_t count = survey_source_count(survey);

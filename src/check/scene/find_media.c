@@ -1,7 +1,7 @@
-// Finds surfaces that bound a medium but are open, face the wrong way or overlap. Lines from the
-// camera, lines that start at the surfaces that it sees, and paths that continue from there show
-// this. Lines through glass that coincides with another surface are not used, because rounding
-// decides which medium they enter or leave there (find_coincident.c).
+// Finds surfaces that bound a medium but are open, face the wrong way or overlap. The search uses
+// lines from the camera, lines that start at the surfaces that the camera sees, and paths that
+// continue from these surfaces. Lines through glass that coincides with another surface are not
+// used, because rounding decides which medium they enter or leave there (find_coincident.c).
 #include "check/scene/media_overlaps.h"
 
 #include "base/maths.h"
@@ -24,7 +24,7 @@ struct losses {
 struct ways {
     struct losses *losses[LOSS_KINDS]; // for each kind, one entry per object
     uint32_t *lost;                    // for each pixel, a bit for each kind
-    uint32_t *told;                    // the same, but without the losses at objects of `named`
+    uint32_t *told;                    // like `lost`, but without the losses at objects of `named`
     const bool *named;                 // objects that another finding already names; NULL: none
 };
 
@@ -69,9 +69,9 @@ static bool has_left(const struct ways *ways, uint32_t pixel)
     return ways->lost[pixel] >> LOSS_LEFT & 1u;
 }
 
-// Records overlapping bodies. Two bodies overlap if one is left while the other, which was entered
-// inside of it, continues. One is inside the other if it is left while the other, which was entered
-// before it, continues.
+// Records overlaps when a line leaves the body stack->items[left]. A body that was entered later
+// and has not been left overlaps it. A body that was entered earlier and has not been left contains
+// it.
 static void look_at_overlaps(struct media_search *search, const struct stack *stack, uint32_t left)
 {
     const struct scene *scene = search->survey->scene;
@@ -256,10 +256,10 @@ static bool look_aside(struct media_search *search, struct err *err)
 
 // --- paths ---------------------------------------------------------------------------------------
 
-// The number of bounces of paths. No line leaves a closed room, so none shows that a medium in it
-// is open, and the camera's lines may miss the medium. But a path in the room hits both sides of
-// its surface, and in the end leaves a medium that it did not enter. This does not happen if the
-// medium is closed, by itself or by the surrounding walls.
+// The number of bounces of paths. No line leaves a closed room, so none shows that a medium in the
+// room is open, and the camera's lines may miss the medium. But a path in the room hits both sides
+// of the medium's surface, and in the end leaves a medium that it did not enter. This does not
+// happen if the medium is closed, by itself or by the surrounding walls.
 #define PATH_BOUNCES 8u
 
 // Continues a path from the end of a line, on the side from which it came.
@@ -309,7 +309,7 @@ struct unclosed {
     bool *marked;          // one flag for each object
 };
 
-// With a single line, rounding may have opened an edge; that two lines hit such edges is unlikely.
+// Rounding may have let a single line through an edge, but hardly two lines.
 #define OPEN_LINES_MIN 2u
 
 static bool list_unclosed(const struct media_search *search, const struct ways *ways,
@@ -435,7 +435,7 @@ static bool make_ways(struct survey *survey, struct ways *ways, struct err *err)
 }
 
 // Marks the objects that lines of sight have found to be open, so that the finding from paths names
-// others only.
+// only other objects.
 static bool name_seen(struct media_search *search, struct err *err)
 {
     struct unclosed left, open;

@@ -26,7 +26,8 @@
 // arrive from the 49 places around a lit one, and 3 if five lights share the lines.
 #define NEAR_PIXELS 3u
 
-// Returns the luminance reflected by a perfect mirror; 0 for other materials.
+// Returns the reflectance, as a luminance, of a material that is a perfect mirror; 0 for other
+// materials.
 static double mirror_reflectance(const struct material *material)
 {
     double sum = 0.0;

@@ -10,7 +10,8 @@
 #define SPOTS_MAX 4096u
 // The number of lines into each cone, one for each of RAYS equal solid angles.
 #define RAYS 16u
-// The fraction of a pixel below which an area is reported; tiny-lights uses the same for lamps.
+// The fraction of a pixel below which an area is reported; the finding tiny-lights uses the same
+// fraction.
 #define PART_MAX (1.0 / 16.0)
 
 // The area that a spot lights.

@@ -50,8 +50,8 @@ static bool is_far(const struct flat_scene *flat, uint32_t id)
            fabs(vec3_dot(geometric, middle)) < FAR_COSINE;
 }
 
-// Marks the objects for which this applies to a quarter of their visible surface. Objects with
-// gaps, such as leaves, are left out, because they intentionally have the normals of the whole
+// Marks the objects whose normals deviate that much on a quarter of their visible surface. Objects
+// with gaps, such as leaves, are left out, because they intentionally have the normals of the whole
 // crown.
 static bool mark_far(struct survey *survey, bool *marked, struct err *err)
 {
@@ -75,10 +75,12 @@ static bool mark_far(struct survey *survey, bool *marked, struct err *err)
 
 // --- the findings --------------------------------------------------------------------------------
 
-// Scanned and decimated meshes have some such triangles in creases, where they are not visible.
+// Scanned and decimated meshes have some contradictory normals in creases, where they are not
+// visible.
 #define SHARE_MIN 0.01
 
-// Adds the finding about such objects. Sets *found to whether there are any.
+// Adds the finding about objects with the normals of another surface. Sets *found to whether there
+// are any.
 static bool find_far(struct survey *survey, bool *found, struct err *err)
 {
     uint32_t first = 0, count = 0;

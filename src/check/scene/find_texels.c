@@ -185,7 +185,7 @@ static bool is_missing(const struct survey *survey, const struct sighting *at, c
     return material_is_missing(&survey->scene->materials[at->material]);
 }
 
-// Counts the images that were missing; the loader has already removed them from the materials.
+// Reports the images that were missing; the loader has already removed them from the materials.
 static bool find_missing(struct survey *survey, struct err *err)
 {
     const struct scene *scene = survey->scene;
@@ -269,7 +269,7 @@ static struct sun_texel brightest_texel(const struct environment *sky)
 // as the mean of the others; then its form is visible in shadows.
 #define SUN_PART_MIN 0.1
 #define SUN_BRIGHTNESS_MIN 100.0
-// In an image with fewer texels, none is small.
+// In an image with fewer texels, no texel counts as small.
 #define TEXELS_MIN 64
 
 static bool find_sun_texel(struct survey *survey, struct err *err)

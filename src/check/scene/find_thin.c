@@ -117,7 +117,7 @@ static bool find_slivers(struct survey *survey, struct err *err)
             .place = name ? arena_printf(arena, "%s, worst in triangle %u", name, triangle) : NULL,
             .figure = arena_printf(arena,
                                    "%u triangles so thin that rounding of their corners rotates "
-                                   "them by more than 1 degree, the worst by %.2g",
+                                   "them by more than 1 degree, the worst by %.2g degrees",
                                    count, fmin(turn * 180.0 / M_PI, 90.0)),
             .consequence = "Their normals are inaccurate, so they reflect and refract wrongly.",
             .remedy = "Merge their vertices, or triangulate the surface again.",

@@ -146,15 +146,15 @@ static enum twins twins_of(const struct survey *survey, uint32_t a, uint32_t b)
     return most;
 }
 
-// The objects that have one of these effects.
+// The objects that have one kind of effect.
 struct twin_list {
     uint32_t count, first, second; // number of superfluous objects, and the first pair
     bool *marked;                  // a flag for each object that is part of a pair
-    bool *firsts, *again;          // the same for the first ones of pairs, and for the others
+    bool *firsts, *again;          // flags for the first object of each pair, and for the second
 };
 
-// Evaluates the objects at one place. One of them is hidden only if all are equal, because
-// otherwise the visible one might change.
+// Evaluates the objects at one place. All but one of them are hidden, but only if all are equal,
+// because otherwise the visible object might change.
 static void take_place(struct survey *survey, const struct identity *list, uint32_t count,
                        struct twin_list *lists)
 {

@@ -99,8 +99,9 @@ struct tail {
     double part;      // share of the tail in the sum of squares of all samples
 };
 
-// Returns whether the exponent may be at least 2, so that the variance is finite: whether 2 is in
-// its 95 % interval, given an estimate from `count` samples, or below it.
+// Returns whether the variance may be finite. This requires an exponent of at least 2, so the upper
+// end of its 95 % interval must be at least 2. `index` is the exponent estimated from `count`
+// samples.
 static bool may_be_finite(double index, uint32_t count)
 {
     return index * (1.0 + 1.96 / sqrt(count)) >= 2.0;
@@ -184,8 +185,8 @@ static const char *tail_consequence(const struct survey *survey)
                  "renders find brighter samples.";
 }
 
-// Returns the vertex of a path with the greatest contribution. *by_shadow_ray is whether it is that
-// of a shadow ray or the vertex's own emission.
+// Returns the vertex of a path with the greatest contribution. *by_shadow_ray receives true if this
+// is the contribution of shadow rays, and false if it is the vertex's own emission.
 static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ray)
 {
     uint32_t brightest = 0;

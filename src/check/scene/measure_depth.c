@@ -43,9 +43,9 @@ static struct cut compare(const double *shallow, const double *deep, uint32_t co
 
 // --- affected pixels -----------------------------------------------------------------------------
 
-// Decides which pixels lack more than CUT_MAX of their light. With few samples most pixels may have
-// no light at any depth, so each pixel is decided by the smallest window around it that permits a
-// decision.
+// The data that decide which pixels lack more than CUT_MAX of their light. With few samples most
+// pixels may have no light at any depth, so each pixel is decided by the smallest window around it
+// that permits a decision.
 struct cut_map {
     const struct survey *survey;
     uint32_t width, height;
@@ -175,7 +175,7 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
             .remedy = depth == 0  ? "None is needed if only the light of visible lamps is wanted."
                       : is_wanted ? "None is needed if only direct light is wanted."
                       : is_known  ? arena_printf(arena,
-                                                 "--max-bounces %u, beyond which less than "
+                                                 "Use --max-bounces %u, beyond which less than "
                                                   "0.1 %% is missing.",
                                                  enough)
                                   : "Enclose less of the scene in surfaces that reflect all light: "

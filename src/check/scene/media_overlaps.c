@@ -26,8 +26,8 @@ struct order {
     bool is_possible;                   // the available priorities are sufficient for this order
 };
 
-// Returns whether a medium vanishes by mistake. A body that is always inside of the other was
-// intended to be there; one that lines cross at its border only overlaps.
+// Returns whether a medium vanishes by mistake. A body that is always inside of the other body was
+// intended to be there; if lines cross its border, the two bodies only overlap.
 static bool vanishes(const struct overlap *overlap)
 {
     return overlap->crossed == 0 && overlap->swallowed > 0;
@@ -127,10 +127,10 @@ static bool add(struct survey *survey, const struct overlap *overlap, bool can_f
                                ? "The inner medium is treated as the outer one, so it vanishes."
                                : "Where they overlap, the order of the materials in the file "
                                  "decides which medium applies.",
-            .remedy = "Give the one that should apply there the higher \"priority\".",
+            .remedy = "Give the medium that should apply there the higher \"priority\".",
             .share = survey_share(survey, touched),
             .pixels = touched,
-            .change = can_fix ? "the inner one gets the higher \"priority\"; the order of all "
+            .change = can_fix ? "the inner medium gets the higher \"priority\"; the order of all "
                                 "other media is unchanged"
                               : NULL,
         },

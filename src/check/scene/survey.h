@@ -47,7 +47,8 @@ struct survey {
     uint64_t least_bytes;     // device memory that such a render needs without its waves, in bytes
     uint64_t small_bytes;     // device memory that the render of the small image takes
     struct job_params small;  // parameters of the job that renders the small image
-    struct job job;           // that job; end_job() finishes it, and later searches start others
+    struct job job;           // the job of the small image; end_job() finishes it, and later
+                              // searches start others
     struct sightline *lines;  // one line for each pixel of the small image
     uint32_t line_count;
     // Set by find_twice(): a number for each object, equal for objects at the same place.
@@ -69,8 +70,8 @@ struct survey {
 
 // --- survey.c ------------------------------------------------------------------------------------
 
-// Adds a finding whose strings are owned by survey->arena. A NULL string means that memory ran out,
-// and fails.
+// Adds a finding whose strings are owned by survey->arena. Fails if a string is NULL, which means
+// that memory ran out.
 bool survey_add(struct survey *survey, const struct scene_finding *finding, struct err *err);
 // Return names for messages, owned by survey->arena: "instance 3 of mesh \"leaf\"", "shape 2, a
 // sphere", "material \"glass\"".
@@ -157,8 +158,8 @@ bool material_lets_through(const struct material *material);
 uint8_t *survey_flags(struct survey *survey);
 // Returns the fraction of flags that are set; 0 for NULL.
 double survey_share(const struct survey *survey, const uint8_t *flags);
-// Flags the lines that hit a surface for which `meets` returns true, with any transmitting surfaces
-// in front of it.
+// Flags the lines that hit a surface for which `meets` returns true, possibly behind surfaces that
+// transmit light.
 typedef bool (*sighting_fn)(const struct survey *survey, const struct sighting *at,
                             const void *context);
 const uint8_t *survey_touched(struct survey *survey, sighting_fn meets, const void *context);
@@ -245,7 +246,7 @@ double light_sent(const struct light *light, const double place[3], double towar
 
 // --- searches: each adds findings ---------------------------------------------------------------
 
-// Single precision does not resolve objects, meshes or the camera's view.
+// Objects, meshes or views that single precision does not resolve.
 bool find_coarse(struct survey *survey, struct err *err);
 // Triangles with little or no area, instances without volume.
 bool find_thin(struct survey *survey, struct err *err);
@@ -261,7 +262,7 @@ bool find_albedos(struct survey *survey, struct err *err);
 bool find_texels(struct survey *survey, struct err *err);
 // Lights behind glass or without shadow rays.
 bool find_hidden_lights(struct survey *survey, struct err *err);
-// Delta lights that only mirrors show.
+// Delta lights whose light mirrors reflect.
 bool find_mirrored_lights(struct survey *survey, struct err *err);
 // Spots that light less than a pixel.
 bool find_narrow_spots(struct survey *survey, struct err *err);
