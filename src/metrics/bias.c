@@ -96,11 +96,11 @@ static struct pixel read_pixel(const struct bias_params *p, size_t index)
     return pixel;
 }
 
-// Adds one image. The absolute value of a difference would not have mean zero for pure noise. So
-// each image's difference from one half of the reference gets the sign of the difference between
-// the mean of all other images and the other half, both of which are independent of it. If all
-// other images are black there, the brightness of a sample is not known, and the pixel is not
-// added.
+// Adds a pixel of one image. The absolute value of a difference would not have mean zero for pure
+// noise. So each image's difference from one half of the reference gets the sign of the difference
+// between the mean of all other images and the other half, both of which are independent of it. If
+// all other images are black at this pixel, the brightness of a sample is not known, and the pixel
+// is not added.
 static void add_picture(const struct pixel *pixel, const float rgb[3], double count,
                         bool others_lit, struct difference *d)
 {

@@ -1,9 +1,9 @@
-// The interval of a share R = E_k / E, where E_k and E are sums of e_k and e over pixels. Pixels
-// have independent noise, so the variance of R is, to first order, the sum of (e_k - R e)^2 over
-// E^2 (Cochran 1977, "Sampling Techniques", section 2.11). The expectation of such a square is the
-// variance of e_k - R e plus its squared mean, which is not 0 if shares differ between parts of the
-// image; so the interval may be too wide but not too narrow. A few pixels may contribute most of
-// the sum. Student's t allows for that, with as many degrees of freedom as a sum of equal terms
+// Computes the interval of a share R = E_k / E, where E_k and E are sums of e_k and e over pixels.
+// Pixels have independent noise, so the variance of R is, to first order, the sum of (e_k - R e)^2
+// over E^2 (Cochran 1977, "Sampling Techniques", section 2.11). The expectation of such a square is
+// the variance of e_k - R e plus its squared mean, which is not 0 if shares differ between parts of
+// the image; so the interval may be too wide but not too narrow. A few pixels may contribute most
+// of the sum. Student's t allows for that, with as many degrees of freedom as a sum of equal terms
 // with the same uncertainty would have (Satterthwaite 1946).
 #include "metrics/error_by.h"
 

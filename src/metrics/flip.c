@@ -276,8 +276,8 @@ static bool flip_map(const struct picture_pair *pair, double pixels_per_degree,
     return ok;
 }
 
-// Memory for the planes of both images and one more plane, which has the lightness or a filtered
-// channel.
+// Bytes per pixel of the planes of both images, and of one more plane for the lightness or a
+// filtered channel.
 enum { MAP_BYTES_A_PIXEL = (2 * PLANES_A_PICTURE + 1) * (int)sizeof(float) };
 
 static double mean_of(const float *map, uint64_t count)
@@ -420,7 +420,7 @@ static bool raise_map(const struct picture_pair *pair, double pixels_per_degree,
     return true;
 }
 
-// Memory for the exposed images, the map of one exposure and the map of all exposures.
+// Counts the exposed images, the map of one exposure and the map of all exposures.
 uint64_t metrics_flip_hdr_bytes(uint32_t width, uint32_t height)
 {
     return (uint64_t)width * height *
@@ -455,7 +455,7 @@ bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
     return ok;
 }
 
-// Memory for the map, and for copies of the images in which pixels that are not finite are black.
+// Counts the map, and copies of the images in which pixels that are not finite are black.
 uint64_t metrics_flip_bytes(uint32_t width, uint32_t height)
 {
     return (uint64_t)width * height * (2 * sizeof(float[3]) + sizeof(float) + MAP_BYTES_A_PIXEL);

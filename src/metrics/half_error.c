@@ -100,7 +100,7 @@ struct tile {
     double pixels; // number of finite pixels
     // Variance of `error`, for its upper and its lower end.
     struct variance up, down;
-    // For the standard deviation over seeds, see forecast.c.
+    // Sum of the squared errors, for the standard deviation over seeds; see forecast.c.
     struct variance spread;
     struct variance relmse; // variance of `relmse_most`
     // Sum over pixels of the greatest error that a unit of light may add.

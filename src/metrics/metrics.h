@@ -1,6 +1,6 @@
 // Error metrics between images, and error estimates from half-buffers. The functions work on plain
 // arrays that the caller owns: width * height pixels, interleaved RGB. All sums are in double
-// precision. Any thread may call.
+// precision. Any thread may call these functions.
 #ifndef LAMPYRIS_METRICS_METRICS_H
 #define LAMPYRIS_METRICS_METRICS_H
 
@@ -156,8 +156,8 @@ bool metrics_half_error_weights(const struct half_error_params *params, double (
 #define LOOKS_FIRST 2u
 #define LOOKS_CONFIDENCE 0.95
 // Returns the number of samples at the first test of a render that has `done` samples already. It
-// is a multiple of `unit`, which is 2, so that both halves have equal numbers, or the samples of a
-// round.
+// is a multiple of `unit`. The unit is 2, so that both halves have equal numbers of samples, or the
+// number of samples of a round.
 uint64_t looks_first(uint64_t done, uint64_t unit);
 // Returns the number of samples at the next test. At the previous test, at `done` samples, the
 // bound was `excess` times the limit; INFINITY if there was no bound.

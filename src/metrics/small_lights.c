@@ -6,9 +6,9 @@
 // or smaller than it seems. Otherwise the probability of no hit would be exp(-7) = .1 %.
 static const double expected_max = 7;
 
-// A blurred emitter may be visible in many pixels. Each of them is tested up to this radius in
-// pixels, and a lattice of equally many beyond it: testing all of them took 4 s for an image with
-// 16,384 blurred lamps.
+// A blurred emitter may be visible in many pixels. All of them are tested if they are within this
+// radius, in pixels. For a larger radius, a lattice of about as many pixels is tested: testing all
+// pixels took 4 s for an image with 16,384 blurred lamps.
 enum { LOOK_REACH = 16 };
 
 // A sample that hits an emitter contributes at least this fraction of its radiance: the pixel

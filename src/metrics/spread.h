@@ -11,9 +11,9 @@
 // false only when out of memory.
 bool spread_median(const double *values, size_t count, struct interval *out);
 
-// The ratio of two independent sets of positive values: of their geometric means, with Welch's
-// interval (1947) of the logarithms at the given confidence. The result is not known (NAN) if a set
-// has fewer than two values or one that is not positive.
+// A set of independent, positive values. spread_ratio() returns the ratio of the geometric means of
+// two sets, with Welch's interval (1947) of the logarithms at the given confidence. The result is
+// not known (NAN) if a set has fewer than two values or one that is not positive.
 struct spread_set {
     const double *values;
     size_t count;
