@@ -29,8 +29,8 @@ static bool is_used(const struct completion *c, const struct option_def *def)
     return c->only && completion_has(def, c->only);
 }
 
-// Writes a branch for each option that takes a value: what completes the value, and nothing if the
-// user has to invent it.
+// Writes a branch for each option that takes a value. The branch defines how the value is
+// completed; it defines nothing if only the user can know the value.
 static void values(const struct completion *c)
 {
     const char *separator = "    ";
@@ -114,7 +114,7 @@ void completion_bash(const struct completion *c)
     fprintf(c->out,
             "    [[ $current != -* ]] || words=$options files=\n"
             "    fi\n"
-            "    # Of words with commas between them, the last is completed.\n"
+            "    # The last word of a list with commas is completed.\n"
             "    [[ $current != *,* || -n $files ]] || before=${current%%,*},\n"
             "    local found=$(\n"
             "        compgen -P \"$before\" -W \"$words\" -- \"${current#\"$before\"}\"\n"

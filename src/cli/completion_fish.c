@@ -40,7 +40,7 @@ void completion_fish(const struct completion *c)
 {
     fprintf(c->out, "# Completes the command line of %s in fish.\n", c->program);
     for (int i = 0; !c->only && i < COMMAND_TOTAL; i++) {
-        // The first word is a command, and what follows \"help\".
+        // Names of commands complete the first word, and the word after "help".
         fprintf(c->out,
                 "complete -c %s -f -n '__fish_use_subcommand; or __fish_seen_subcommand_from help' "
                 "-a %s -d '",

@@ -24,14 +24,14 @@ static bool is_empty(const struct error_by *by, uint32_t class)
     return !(by->classes[class].error > 0.0) && !(by->light[class] > 0.0);
 }
 
-// Describes a property that all classes share, if that is certain.
+// Explains the sign of the covariances of the classes, if it is certain.
 static const char *common_words(const struct error_share *together, bool has_interval)
 {
     const struct interval *share = &together->share;
     if ((has_interval ? share->high : share->value) < 0.0)
-        return "   less: one brings more where another brings less";
+        return "   less: one contributes more where another contributes less";
     if ((has_interval ? share->low : share->value) > 0.0)
-        return "   more: the same samples bring more of them at once";
+        return "   more: the same samples contribute to several at once";
     return "";
 }
 

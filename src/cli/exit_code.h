@@ -9,8 +9,8 @@
 // SIGTERM ...).
 enum exit_code {
     EXIT_CODE_OK = 0,
-    EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded; check: a case failed;
-                                // merge --status: samples are missing
+    EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded; check: a check failed; bench: a
+                                // row is slower; merge --status: samples are missing
     EXIT_CODE_INPUT = 2,        // the command line or an input file is wrong
     EXIT_CODE_DEVICE = 3,       // the device, its driver or the system's memory failed
     EXIT_CODE_OUTPUT = 4,       // an output file could not be written

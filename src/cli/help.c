@@ -69,8 +69,8 @@ static void option_names(const struct option_def *def, char *out, size_t size)
         snprintf(out, size, "--%s", def->name);
 }
 
-// Writes an option with its description. name_takers: also names the commands that have the option,
-// if the context does not show them.
+// Writes an option with its description. With name_takers, also names the commands that have the
+// option.
 static void option_item(const struct help_writer *writer, const struct option_def *def,
                         bool name_takers)
 {

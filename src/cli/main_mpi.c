@@ -13,7 +13,9 @@ static int run_ranks(const struct options *options)
     struct err err = {0};
     int code;
     if (options->command != &commands[COMMAND_RENDER]) {
-        err_set(&err, ERR_USAGE, "lampyris-mpi renders alone; expected \"render\", or lampyris");
+        err_set(&err, ERR_USAGE,
+                "lampyris-mpi has only the command render; expected \"render\", or the program "
+                "lampyris");
         return command_fail(&err);
     }
     if (!ranks_open(&ranks, options, &err))

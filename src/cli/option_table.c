@@ -126,7 +126,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_SCENE, .fallback = "the first one",
         .common = FOR_RENDER | FOR_VIEW | FOR_CONVERGE | 1u << COMMAND_INFO,
         .brief = "One of the scene's cameras.",
-        .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(scene.camera),
+        .help = "The scene's camera to use, by name or by number from 0.", FIELD(scene.camera),
     },
     [OPTION_APERTURE] = {
         .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0,
@@ -146,13 +146,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "scene", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the one that the file names, else the first",
         .common = 1u << COMMAND_INFO, .brief = "One of the scenes of a glTF file.",
-        .help = "Which scene of a glTF file, by name or by number from 0.", FIELD(scene.gltf_scene),
+        .help = "The scene of a glTF file to use, by name or by number from 0.",
+        FIELD(scene.gltf_scene),
     },
     [OPTION_ANIMATION] = {
         .name = "animation", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "none; with --at, the first",
-        .help = "Which animation of a glTF file, by name or by number from 0. Without --at, its "
-                "first moment is shown.",
+        .help = "The animation of a glTF file to use, by name or by number from 0. Without --at, "
+                "its first moment is shown.",
         FIELD(scene.animation),
     },
     [OPTION_AT] = {
@@ -259,7 +260,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_CHECKPOINT_EVERY] = {
         .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
-        .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "as often as takes 2 % of the time, and once in 60 s at least",
+        .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER,
+        .fallback = "as often as 2 % of the time permits, and at least every 60 s",
         .help = "Time between two checkpoints; 0: one after every wave.",
         FIELD(render.checkpoint_seconds),
     },
@@ -521,8 +523,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_REOPEN] = {
         .name = "reopen", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = 1000,
         .group = "Device", .commands = FOR_RENDER, .fallback = "2",
-        .help = "How many times a lost device is opened again. Rendering then continues from the "
-                "last copy of the film, and the picture is the same.",
+        .help = "Number of times that a lost device is opened again. Rendering then continues from "
+                "the last copy of the film, and the picture is the same.",
         FIELD(render.reopens),
     },
     [OPTION_VALIDATION] = {
@@ -624,8 +626,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = UINT32_MAX, .is_for_tests = true, .group = "Faults, for tests",
         .commands = FOR_RENDER | FOR_CHECK | FOR_VIEW,
-        .help = "Lose the device at the N-th submission of commands, and each time after it was "
-                "opened again.",
+        .help = "Lose the device at the N-th submission of commands, and again each time after it "
+                "was opened again.",
         FIELD(device.gpu.lose_device_at_submit),
     },
     [OPTION_LOSE_DEVICES] = {
@@ -633,7 +635,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .max = UINT32_MAX, .is_for_tests = true, .group = "Faults, for tests",
         .commands = FOR_RENDER | FOR_CHECK,
         .fallback = "every time",
-        .help = "How many times --lose-device loses the device; afterwards it works.",
+        .help = "Number of times that --lose-device loses the device; afterwards it works.",
         FIELD(device.gpu.devices_to_lose),
     },
 
@@ -747,7 +749,8 @@ const char *option_argument(const struct option_def *def, char out[OPTION_ARGUME
     return out;
 }
 
-// Returns whether submit has an option of render: it passes on what all shards have in common.
+// Returns whether submit passes on an option of render. It passes on those that all shards have in
+// common.
 static bool is_of_all_shards(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {

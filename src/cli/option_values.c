@@ -268,7 +268,8 @@ static bool store_environment(const char *text, struct options *options, struct 
     return true;
 }
 
-// Parses START:END:FPS after the START, whose colon `text` begins with.
+// Parses ":END:FPS", the rest of a text "START:END:FPS". `whole` is the complete text, for
+// messages.
 static bool parse_range(const struct option_def *def, const char *text, const char *whole,
                         struct sequence_options *out, struct err *err)
 {
@@ -288,7 +289,7 @@ static bool parse_range(const struct option_def *def, const char *text, const ch
            err_set(err, ERR_USAGE, "\"%s\" is more than %u pictures", whole, SEQUENCE_FRAMES_MAX);
 }
 
-// The first pose of a range is the scene's.
+// For a range, the scene is loaded with its pose at START.
 static bool store_at(const struct option_def *def, const char *text, struct options *options,
                      struct err *err)
 {
@@ -441,7 +442,7 @@ static bool err_unknown_word(const char *word, size_t length, const struct aov_n
     return fail_unknown_word(word, length, known, "some of ", err);
 }
 
-// Parses words separated by commas, and adds the bits of all of them to the option's.
+// Parses words separated by commas, and adds the bits of all of them to the option's value.
 static bool store_bits(const struct option_def *def, const struct aov_name *words, const char *text,
                        struct options *options, struct err *err)
 {

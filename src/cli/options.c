@@ -239,7 +239,7 @@ static bool check_crop(const struct options *options, struct err *err)
         {options_given(options, OPTION_REFERENCE), "--reference",
          "the reference has the size of the whole picture"},
         {options_given(options, OPTION_PIXEL), "--pixel",
-         "it follows one path and renders no window"},
+         "--pixel follows one path and renders no window"},
     };
     for (size_t i = 0; options_given(options, OPTION_CROP) && i < sizeof others / sizeof others[0];
          i++)
@@ -343,7 +343,8 @@ static bool check(const struct options *options, struct err *err)
         return false;
     uint64_t samples = (uint64_t)options->render.frames * options->render.spp_per_frame;
     if (samples > SETTINGS_SPP_MAX)
-        return err_set(err, ERR_USAGE, "--frames x --spp-per-frame is %llu samples; at most %llu",
+        return err_set(err, ERR_USAGE,
+                       "--frames x --spp-per-frame is %llu samples; expected at most %llu",
                        (unsigned long long)samples, (unsigned long long)SETTINGS_SPP_MAX);
     return true;
 }
@@ -389,9 +390,9 @@ char *options_quote(const char *word, char *out)
     return put(out, "'");
 }
 
-// Options that belong to a single run: what ends it, and what it reports in addition to the image.
-// A command that follows one of its paths omits all except the first; one that repeats the image
-// omits all except the last.
+// Options that belong to a single run: they end it, or report something in addition to the image.
+// They are omitted from commands for other runs. A command that follows a path keeps only the first
+// of them (--error), and a command that repeats the image keeps only the last (--crop).
 static const enum option_id passing[] = {
     OPTION_ERROR,     OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY, OPTION_RESUME,   OPTION_TRACE,
     OPTION_REFERENCE, OPTION_TEV,        OPTION_EXPLAIN,          OPTION_ERROR_BY, OPTION_CROP};

@@ -142,7 +142,7 @@ enum option_id {
     OPTION_TOTAL
 };
 
-// How the value of an option is written on the command line, and the type of its member of struct
+// The syntax of an option's value on the command line, and the type of its member of struct
 // options.
 enum option_type {
     VALUE_FLAG,        // no value; bool
@@ -156,7 +156,7 @@ enum option_type {
     VALUE_PAIR,        // X,Y; two uint32_t
     VALUE_REAL_PAIR,   // X,Y, or X:Y in lists; two double
     VALUE_ENVIRONMENT, // FILE or R,G,B
-    VALUE_WINDOW,      // X0,Y0,X1,Y1, of which X1 > X0 and Y1 > Y0; four uint32_t
+    VALUE_WINDOW,      // X0,Y0,X1,Y1 with X1 > X0 and Y1 > Y0; four uint32_t
     VALUE_AT,          // SECONDS or START:END:FPS; scene.at_seconds, and render.sequence
     // Options that may be repeated. Each has a list of its own:
     VALUE_OUTPUT,
@@ -217,13 +217,13 @@ struct device_options {
 
 // A render of several numbered pictures. At most one of the first two is set.
 struct sequence_options {
-    uint32_t views;      // of --turntable; 0: not given
+    uint32_t views;      // number of views of --turntable; 0: not given
     bool is_animation;   // --at has a range
     double start, end;   // seconds of an animation; the end is not included
-    double frames_per_s; // of the animation, or of a turntable's video
+    double frames_per_s; // pictures per second of the animation, or of a turntable's video
 };
 
-// What --shard divides, in the order of the values of --shard-by.
+// The units that --shard distributes, in the order of the values of --shard-by.
 enum shard_by { SHARD_BY_SAMPLES, SHARD_BY_TILES };
 
 struct render_options {
@@ -255,8 +255,8 @@ struct render_options {
     bool explain;      // list the omitted parts, with reasons
     const char *trace; // file; NULL: none
     const char *tev;   // HOST:PORT; NULL: none
-    // The command line without options that apply only to a single run: --error, --checkpoint and
-    // options that depend on it.
+    // The command line without options that belong to a single run, such as --error and
+    // --checkpoint.
     const char *repeatable_line;
     // The command line to which --pixel and --sample are added to follow a path.
     const char *following_line;

@@ -8,8 +8,8 @@
 
 #define SECOND_NS UINT64_C(1000000000)
 
-// A bar is redrawn often enough to look alive, and seldom enough to cost nothing. Lines in a log
-// file are fewer.
+// A bar is redrawn often enough to move visibly, and seldom enough to cost hardly any time. In a
+// log file, lines are printed less often.
 #define REDRAW_NS (SECOND_NS / 10)
 #define LINE_NS (SECOND_NS * 5)
 

@@ -40,7 +40,7 @@ struct progress progress_bar_listener(struct progress_bar *bar);
 // A sink for log_configure, with the bar as its context. An error ends the phase.
 void progress_bar_log(void *context, enum log_level level, const char *message);
 
-// Is called by the listener; the time is an argument (clock_ns) for tests.
+// The listener calls this function. The time (clock_ns) is an argument so that tests can choose it.
 void progress_bar_update(struct progress_bar *bar, const char *phase, double fraction,
                          uint64_t now_ns);
 

@@ -21,8 +21,8 @@ struct environment_option {
 // The options of a scene. A number that was not given is NAN.
 struct scene_options {
     const char *path;                   // the scene to load
-    struct settings settings;           // only those settings are valid that were given
-    bool is_set[SETTING_TOTAL];         // which settings were given
+    struct settings settings;           // valid only for the settings that were given
+    bool is_set[SETTING_TOTAL];         // flags of the settings that were given
     const char *camera;                 // name or index; NULL: the first camera
     double aperture_mm;                 // radius of the lens, in millimetres
     double focus_distance;              // in metres
@@ -45,7 +45,7 @@ struct scene_options {
 // Makes the parameters for loading the scene. They refer to the options, which must outlive them.
 struct scene_load_params options_scene_params(const struct scene_options *options,
                                               const struct progress *progress);
-// Applies the other options to a loaded scene: settings, camera and lens.
+// Applies the options that loading does not use to a loaded scene: settings, camera and lens.
 bool options_adapt_scene(const struct scene_options *options, const struct progress *progress,
                          struct scene *scene, uint32_t *camera, struct err *err);
 // Loads the scene and applies the command line to it.

@@ -96,7 +96,7 @@ static bool is_started_by_many(void)
     return is;
 }
 
-// `wanted` is N of auto/N; 0: not given.
+// Determines the place of this process among all shards. `wanted` is N of auto/N; 0: not given.
 static bool find_place(uint64_t wanted, struct place *out, struct err *err)
 {
     if (!is_started_by_many())
@@ -137,8 +137,8 @@ static bool parse_auto(const char *text, struct job_shard *out, struct err *err)
     if (*text == '/') {
         wanted = strtoull(text + 1, &end, 10);
         if (text[1] < '1' || text[1] > '9' || *end != '\0' || wanted > UINT32_MAX)
-            return err_set(err, ERR_USAGE, "\"auto%s\" is no number of shards; expected auto/N",
-                           text);
+            return err_set(err, ERR_USAGE,
+                           "\"auto%s\" has no valid number of shards; expected auto/N", text);
     }
     struct place place;
     if (!find_place(wanted, &place, err))

@@ -38,7 +38,7 @@ static bool keeps_picture(const struct option_def *def)
     return false;
 }
 
-// Joins a list of "KEY=VALUE" and one more, which comes first or last.
+// Joins two lists of "KEY=VALUE", either of which may be empty, by a blank.
 static const char *join(struct arena *arena, const char *first, const char *second)
 {
     return arena_printf(arena, "%s%s%s", first, *first && *second ? " " : "", second);

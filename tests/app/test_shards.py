@@ -484,7 +484,7 @@ class Refused(Shards):
                 (['--spp', '8', '--shard', '3:6'], 'expected even numbers'),
                 (['--shard', '3/2'], 'is no shard'), (['--shard', '0/2'], 'is no shard'),
                 (['--shard', '4:4'], 'is no shard'), (['--shard', '1/2x'], 'is no shard'),
-                (['--shard', '-1/2'], 'is no shard'), (['--shard', '1/4294967297'], 'is no shard'), (['--shard', 'auto/0'], 'is no number of shards'),
+                (['--shard', '-1/2'], 'is no shard'), (['--shard', '1/4294967297'], 'is no shard'), (['--shard', 'auto/0'], 'has no valid number of shards'),
                 (['--shard', 'auto'], 'none of SLURM_ARRAY_TASK_ID')):
             self.refuse(message, *self.command('--shard', '1/2', *arguments))
         self.assertEqual(os.listdir(self.folder.name), [])

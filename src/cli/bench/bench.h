@@ -96,7 +96,7 @@ bool bench_prepare(struct bench *b, struct err *err);
 // rounds, so that a variant does not always follow the same other one.
 uint32_t bench_turn(uint32_t round, uint32_t n, uint32_t variants);
 bool bench_measure(struct bench *b, struct err *err);
-// Returns the number of bytes that a kernel reads from the records of one item.
+// Returns the number of bytes that a kernel reads and writes in the records of one item.
 double bench_bytes_read(const struct renderer *renderer, enum kernel_id kernel);
 // Allocates `count` rows, with memory for their times.
 struct bench_row *bench_rows_create(struct bench *b, uint32_t count, struct err *err);

@@ -5,8 +5,9 @@
 #include "cli/bench/bench.h"
 #include "report/html.h"
 
-// Adds the charts: the time of kernels with one bar per variant, the occupancy of waves by bounce
-// and, if a single number varies, the time of a frame as a function of it.
+// Adds the charts: the time of kernels with one bar per variant; the occupancy of waves by bounce;
+// if a single number varies, the time of a frame as a function of it; and, with --kernel, the items
+// per second as a function of the depth.
 bool bench_put_charts(struct html_page *page, const struct bench *b,
                       const struct bench_variant *first, uint32_t count, struct err *err);
 

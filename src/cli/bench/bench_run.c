@@ -106,7 +106,7 @@ struct bench_row *bench_rows_create(struct bench *b, uint32_t count, struct err 
 // The work of the kernels, counted in a repetition whose time is not reported.
 struct census {
     struct bench_variant *v;
-    // Numbers of entries that shading has written into the queues of rays and shadow rays.
+    // Numbers of entries in the queues of rays and shadow rays before the current kernel.
     uint64_t rays_before, shadow_before;
     double bytes[KERNEL_COUNT];
     uint64_t steps[STEPS_COUNT];
@@ -117,8 +117,9 @@ static bool is_shading(enum kernel_id kernel)
     return kernel >= KERNEL_shade_miss && kernel <= KERNEL_shade_whitted;
 }
 
-// Returns the least number of bytes that are read for an item: records of paths, rays and queues,
-// but not of the scene. The output of a kernel is counted by the number of items that it produces.
+// Returns the least number of bytes that are read and written for an item: records of paths, rays
+// and queues, but not of the scene. The rays and the queue entries that shading and intersection
+// produce are counted separately, by their number.
 double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
 {
     const double queue = 4.0, word = 16.0;
@@ -356,8 +357,8 @@ static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t 
                                           : NAN;
 }
 
-// Runs a repetition that counts, which also adapts the renderer to the scene's rays, and one to
-// warm up.
+// Runs a repetition to warm up, and one that counts. They also adapt the renderer to the scene's
+// rays.
 static bool warm_up(struct bench *b, struct bench_variant *v, struct job_step step, struct err *err)
 {
     struct census census = {.v = v};

@@ -43,8 +43,8 @@ static bool fail_no_case(const char *name, struct err *err)
         return err_set(err, ERR_USAGE,
                        "--only %s: there is no such group or case; did you mean \"%s\"?", name,
                        suggestion.nearest);
-    return err_set(err, ERR_USAGE, "--only %s: there is no such group or case; see check --list",
-                   name);
+    return err_set(err, ERR_USAGE,
+                   "--only %s: there is no such group or case; see lampyris check --list", name);
 }
 
 static bool choose_cases(struct device_check *d, struct err *err)
@@ -121,7 +121,8 @@ static bool run_cases(struct device_check *d, struct err *err)
     return ok || err->code == ERR_STOPPED;
 }
 
-// Returns an exit code for failure if cases were not run because the device remained lost.
+// Returns an exit code for failure if cases were not run because the device remained lost;
+// otherwise EXIT_CODE_OK.
 static int fail_if_lost(const struct device_check *d)
 {
     struct err err;

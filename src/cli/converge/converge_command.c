@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Returns whether an option is copied to the command: options of `render` that affect how the image
-// is computed. Options that differ between curves or replicates are appended separately.
+// Returns whether an option is copied to the command. Options of `render` that affect how the image
+// is computed are copied. Options that differ between curves or replicates are appended separately.
 static bool is_kept(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {
@@ -40,7 +40,7 @@ static const struct option_def *find(const char *argument, bool *is_attached)
     return NULL;
 }
 
-// Returns whether the curve has a value of its own for this option, which is appended instead.
+// Returns whether the curve has a value of its own for this option; put_varied() appends it.
 static bool is_varied(const struct converge_curve *curve, const struct option_def *def)
 {
     size_t length = strlen(def->name);

@@ -212,7 +212,8 @@ static void put_target(struct page *page, const struct converge_target *target)
 static void put_targets(struct page *page, uint32_t first, uint32_t count)
 {
     FILE *out = page->html.out;
-    fputs("<h3>What it takes to reach an error</h3>\n<div class=\"wide\"><table><tr><th>curve</th>",
+    fputs("<h3>Time and samples to reach an error</h3>\n<div "
+          "class=\"wide\"><table><tr><th>curve</th>",
           out);
     for (int t = 0; t < CONVERGE_TARGETS; t++)
         fprintf(out, "<th>seconds to local relMSE %g</th><th>samples a pixel</th>",

@@ -11,7 +11,7 @@
 #define PERCEPTION_PIXELS (256u * 256u)
 
 // Compares an image with the reference. Returns false if there is no memory for the perceptual
-// metrics. If it was stopped, some metrics remain NAN and the replicate does not count.
+// metrics. If the comparison was stopped, some metrics remain NAN and the replicate does not count.
 static bool compare(const struct reference *reference, const struct film_image *film,
                     bool with_perception, const struct progress *progress,
                     double metric[CONVERGE_METRICS], struct err *err)

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// Returns whether an interval can be drawn: gnuplot cannot draw an error bar with an unknown end.
+// Returns whether a value can be drawn on the logarithmic axis.
 static bool is_drawn(struct interval i)
 {
     return isfinite(i.value) && i.value > 0;

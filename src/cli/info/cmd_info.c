@@ -22,8 +22,8 @@ struct info {
     struct gpu gpu;
     struct renderer renderer; // prepared only: it has no device memory
     struct emitter_counts emitters;
-    struct geometry geometry; // with --device all
-    struct device_fits fits;  // of all devices; none otherwise
+    struct geometry geometry; // used with --device all only
+    struct device_fits fits;  // results for all devices; empty without --device all
     uint32_t camera;
 };
 
@@ -237,8 +237,8 @@ static bool is_of_all_devices(const struct options *options)
     return device && strcmp(device, "all") == 0;
 }
 
-// Looks at all devices with one hierarchy. The device that would be chosen is described in detail
-// unless the scene does not fit there.
+// Plans the render on all devices, with one hierarchy. The device that would be chosen is described
+// in detail unless the scene does not fit there.
 static bool look_at_devices(struct info *info, struct renderer_params *params, struct err *err)
 {
     const struct geometry_params geometry = {
