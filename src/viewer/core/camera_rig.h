@@ -26,7 +26,7 @@ struct camera_rig_input {
     double pan[2];           // movement of the mouse in pixels with the middle button held
     double dolly;            // notches of the wheel towards the target; negative: away from it
     uint32_t picture_height; // pixels; determines the distance that one pixel of panning moves
-    double seconds;          // since the last step
+    double seconds;          // time since the last step
 };
 
 // Sets speed, target and up axis for a camera and a scene with this bounding box in world space.

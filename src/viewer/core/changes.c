@@ -14,7 +14,7 @@
 // The time in seconds after which the image counts as resting if nothing has changed. The steps of
 // a mouse movement follow each other faster.
 #define REST_SECONDS 0.15
-#define SPEED_PART 0.5 // flying speed per second, as a fraction of the distance to the target
+#define SPEED_PART 0.5 // flying speed, in distances to the target per second
 
 uint32_t viewer_aovs(const struct shown *shown)
 {

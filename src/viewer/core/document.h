@@ -24,7 +24,8 @@ struct document {
     struct scene_options scene_options; // the command-line options that apply to this scene
     // Parameters with which the scene was loaded; scene_write() needs them.
     struct scene_load_params load_params;
-    char wanted_path[SURROUNDINGS_PATH_MAX]; // path of a scene to open after the current frame; ""
+    char wanted_path[SURROUNDINGS_PATH_MAX]; // path of a scene to open after the current frame; "":
+                                             // none
     bool wanted_keeps_view;
     bool has_scene;
     bool waits_to_save; // the scene will be saved at save_path when the requested pose is loaded

@@ -10,8 +10,8 @@
 #include "scene/sky/surroundings.h"
 #include "viewer/core/view.h"
 
-// What a change requires, in ascending order of cost. The most costly change of a frame decides
-// what is rebuilt.
+// The work that a change requires, in ascending order of cost. The most costly change of a frame
+// decides what is rebuilt.
 enum change {
     CHANGE_NONE,
     CHANGE_SHOWN,    // exposure, tone curve or AOV changed: the film is kept

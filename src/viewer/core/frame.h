@@ -26,8 +26,7 @@ bool viewer_render(struct viewer *viewer, struct err *err);
 // Displays the current image, denoised if requested, with the panel over it, on the screen and in
 // the window. Returns false if the device failed.
 bool viewer_show(struct viewer *viewer, struct err *err);
-// Fills in the parameters with which display_draw() shows the current image, so that it can be used
-// elsewhere.
+// Fills in the parameters with which display_draw() shows the current image.
 void viewer_display_call(const struct viewer *viewer, struct display_call *out);
 
 #endif

@@ -9,8 +9,8 @@ struct frame_budget {
     double target_ms; // time that a whole frame should take
     // Rendering time per sample of one pixel, a running mean; 0: not known yet.
     double ms_per_sample;
-    // The same for small images, in which the fixed cost of dispatches has more weight; 0: not
-    // known yet.
+    // Rendering time per sample for small images, in which the fixed cost of dispatches has more
+    // weight; 0: not known yet.
     double ms_per_small;
     // Time per pixel of passes that run once per frame (denoising); 0: there are none.
     double ms_per_pixel;

@@ -77,7 +77,8 @@ static void do_pause(struct viewer *viewer)
 {
     viewer->stage.is_paused = !viewer->stage.is_paused;
     viewer->stage.is_resting = false;
-    viewer_message(viewer, MESSAGE_NOTE, viewer->stage.is_paused ? "paused" : "going on");
+    viewer_message(viewer, MESSAGE_NOTE,
+                   viewer->stage.is_paused ? "paused" : "rendering continues");
 }
 
 static void do_split(struct viewer *viewer)

@@ -180,7 +180,7 @@ bool lamp_add(struct viewer *viewer, const char *control)
     struct shape quad;
     memset(&quad, 0, sizeof quad);
     middle[1] += fmin(LAMP_DISTANCE * radius,
-                      // Below a ceiling, if there is one.
+                      // The lamp must be below the ceiling, if there is one.
                       0.9 * (viewer->document.bounds_max[1] - middle[1]));
     aim_quad(&quad, middle, down, LAMP_HALF_EDGE * radius);
     edit_begin_group(viewer);

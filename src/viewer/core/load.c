@@ -164,8 +164,8 @@ static void set_view(struct viewer *viewer)
         options_given(viewer->shell.options, OPTION_SPP) ? (uint32_t)settings->spp : 0;
 }
 
-// Gives saved views names of their own, because they outlive the scene that has the names of its
-// cameras.
+// Replaces the names of the cameras in the current and the saved views, because the old scene,
+// which owned these names, has been freed.
 static void rename_cameras(struct viewer *viewer)
 {
     const char *name = viewer->document.scene.cameras[viewer->view.camera_index].name;

@@ -1,4 +1,4 @@
-// Opening scenes.
+// Opens and closes scenes.
 #ifndef LAMPYRIS_VIEWER_CORE_LOAD_H
 #define LAMPYRIS_VIEWER_CORE_LOAD_H
 

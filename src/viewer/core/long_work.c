@@ -6,7 +6,8 @@
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"
 
-// The time between updates of the progress, in seconds.
+// The time after which work counts as long, and the time between updates of the progress, in
+// seconds.
 #define LONG_WORK_SECONDS 0.3
 #define PROGRESS_SECONDS 0.1
 

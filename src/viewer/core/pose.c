@@ -97,7 +97,7 @@ struct base_lists {
     uint32_t shape_count, light_count;
 };
 
-// Returns the document's own copies, which only this file changes.
+// Returns the document's own copies of the lists, which only this file changes.
 static struct base_lists base_of(struct document *document)
 {
     struct scene *pristine = &document->pristine;
@@ -232,8 +232,7 @@ static void take_cameras(struct viewer *viewer, const struct scene *posed)
     viewer_changed(viewer, CHANGE_CAMERA);
 }
 
-// Adopts the meshes. At another time their vertices are owned by that pose's scene; materials are
-// kept.
+// Adopts the vertices of the meshes, which the scene of the new pose owns. Materials are kept.
 static bool take_meshes(struct document *document, const struct scene *posed, struct err *err)
 {
     bool same = true;

@@ -1,5 +1,5 @@
-// Rebuilds BVHs. That of a large scene is built on the worker's thread, while rendering goes on
-// with the old one. That of a small scene is built between two frames.
+// Rebuilds BVHs. The BVH of a large scene is built on the worker's thread, while rendering goes on
+// with the old one. The BVH of a small scene is built between two frames.
 #ifndef LAMPYRIS_VIEWER_CORE_REBUILD_H
 #define LAMPYRIS_VIEWER_CORE_REBUILD_H
 

@@ -38,7 +38,8 @@ struct reload {
     uint32_t source_count;
     uint32_t source_of[KERNEL_COUNT];
     struct set *sets;
-    // A job runs until its `done`; is_asked_again: another one was requested in the meantime.
+    // is_running: done() has not been called for the current job. is_asked_again: another job was
+    // requested in the meantime.
     bool is_running, is_asked_again;
     char errors[ERRORS_MAX];
     atomic_bool is_cancelled;

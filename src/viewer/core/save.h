@@ -10,6 +10,7 @@ struct viewer;
 // These functions copy the current image and write it on the worker's thread; a message reports the
 // end. With path NULL the file is "NAME-0001.png" in the working directory, with the first free
 // number.
+//
 // Saves the image as it is displayed.
 bool save_png(struct viewer *viewer, const char *path, bool with_panel);
 // Saves the film of a side: linear values, metadata and AOVs. It is denoised only on request.

@@ -54,7 +54,8 @@ static bool is_unchanged(const struct shader_unit *unit, struct arena *arena)
     return unit->files && hash_files(unit->files, arena, &hash) && hash == unit->hash;
 }
 
-// The modification times of some file systems have a resolution of a second.
+// Returns whether a file cannot be read or has changed at this time or later. Times are compared in
+// whole seconds, because some file systems store no fractions.
 static bool is_newer(const char *files, uint64_t than_ns)
 {
     for (const char *path = files; *path; path += strlen(path) + 1) {

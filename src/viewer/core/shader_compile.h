@@ -17,7 +17,7 @@ struct shader_code {
     uint32_t words[];
 };
 
-// What is known about a kernel after its last compilation.
+// The state of a kernel after its last compilation.
 struct shader_unit {
     const char *name; // name of its source file without ".comp"
     // Paths of the files that were read: each ends with NUL, and the list with an empty path; NULL:

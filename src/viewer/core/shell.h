@@ -38,7 +38,7 @@ struct shell {
     // window is closed.
     struct progress progress;
     double progress_seconds; // time at which progress was last shown
-    // events, tasks or the panel are being processed, so scenes are opened afterwards.
+    // True while events, tasks or the panel are being processed; scenes are then opened afterwards.
     bool puts_off;
     bool wants_quit;
     int exit_code; // EXIT_CODE_* of the error that ended the viewer

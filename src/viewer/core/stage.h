@@ -10,7 +10,7 @@
 
 #define VIEWER_SIDES 2u
 
-// The display settings: plain data, which TARGET_DISPLAY undoes.
+// The display settings. They are plain data, so that the history can restore them (TARGET_DISPLAY).
 struct shown {
     uint32_t what;      // SHOWN_*
     float exposure;     // stops
@@ -56,7 +56,7 @@ struct stage {
     struct swapchain swapchain;
     struct gpu_screen screen;
     struct display display;
-    uint32_t recoveries; // how often a lost device was recovered
+    uint32_t recoveries; // number of times that a lost device was recovered
 
     struct view sides[VIEWER_SIDES];
     uint32_t side_count;
@@ -71,13 +71,13 @@ struct stage {
     struct shown shown;
     // Samples per pixel at which the exposure is computed next; 0: it is fixed.
     uint64_t exposure_samples;
-    // How the screen's content was drawn; its sides may have changed since.
+    // The call that drew the screen's content; its sides may have changed since.
     struct display_call last_call;
     bool has_kept; // display_keep() holds an image to show while there are no samples
 
     // Progress listener that stops renderers at the end of the frame's time.
     struct progress frame_progress;
-    uint64_t render_until_ns; // time of the clock at which that happens
+    uint64_t render_until_ns; // clock time at which rendering stops
     double frame_samples;     // samples over all pixels in the current frame
     double render_seconds;    // total rendering time of all frames
     struct frame_stats stats;

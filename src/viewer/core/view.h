@@ -9,7 +9,8 @@
 #include "viewer/core/motion.h"
 #include "viewer/core/worker.h"
 
-// The rendering settings of a side that are not part of the scene; TARGET_METHOD undoes them.
+// The rendering settings of a side that are not part of the scene; the history can restore them
+// (TARGET_METHOD).
 struct method {
     struct settings settings; // width and height are replaced by those of the image
     uint32_t wave, workgroup; // 0: the device's default

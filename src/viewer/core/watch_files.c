@@ -71,7 +71,7 @@ static void add_named(struct watch_files *files, const char *path)
     for (int c; file && folder && total < TEXT_MAX && (c = fgetc(file)) != EOF; total++) {
         if (!c || !strchr(ends, c)) {
             text[used] = (char)c;
-            used += used + 1 < sizeof text; // the word is too long for a name
+            used += used + 1 < sizeof text; // longer words are cut, because they are not names
             continue;
         }
         add_word(files, folder, text, used);

@@ -192,7 +192,7 @@ struct gui_list {
     uint32_t chosen; // selected row; UINT32_MAX: none
     uint32_t height; // number of rows that are visible at once; fewer if the list is shorter
     // These members are used by gui_list_next():
-    uint32_t first, last; // the visible rows, and one past the last
+    uint32_t first, last; // the first visible row, and the row after the last visible one
     uint32_t next;
     bool was_drawn;
 };

@@ -15,8 +15,8 @@ static bool is_over_panel(const struct gui *gui)
            (!gui->is_floating || (mouse[1] >= (double)place[1] && mouse[1] < (double)place[3]));
 }
 
-// Decides which events the panel receives. If a button was pressed outside of the panel, movements
-// and its release belong there, too.
+// Decides which events the panel receives. If a button was pressed outside of the panel, the panel
+// receives neither the movements nor the release.
 void events_want(struct gui *gui)
 {
     const struct gui_state *own = gui->own;

@@ -46,7 +46,7 @@ void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count)
     }
     float gap = 2.0f * now.window_padding.x, pad = 2.0f * now.window_padding.x;
     struct im_vec size = {left + gap + right + 2.0f * pad, (float)count * line + 2.0f * pad};
-    // The progress bar covers the panel if there is no space beside it.
+    // The table covers the panel if there is no space beside it.
     float from = size.x <= now.display.x - gui->width ? gui->width : 0.0f;
     float x = floorf(from + fmaxf(0.5f * (now.display.x - from - size.x), 0.0f));
     float y = floorf(fmaxf(0.5f * (now.display.y - size.y), 0.0f));

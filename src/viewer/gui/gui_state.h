@@ -80,8 +80,9 @@ struct gui_state {
     struct gpu_atlas atlas; // texture atlas of the font
 };
 
-// --- gui_items.c: never NULL ---------------------------------------------------------------------
+// --- gui_items.c ---------------------------------------------------------------------------------
 void items_begin(struct gui_state *own);
+// Enters a control into the registry of this frame. Never returns NULL.
 struct gui_item *items_add(struct gui_state *own, const char *id, enum gui_kind kind,
                            const char *label, const char *help);
 // Returns the value that a script has set, or NULL. If the control is disabled, the value is

@@ -227,8 +227,7 @@ double value_dragged(double start, double widths, const struct gui_range *range,
 {
     if (widths == 0.0)
         return start;
-    if (range->infinite && start >= range->max &&
-        start > 1e3) { // is decreased from a number above 1000
+    if (range->infinite && start >= range->max && start > 1e3) { // decreasing starts at 1000
         if (widths > 0.0)
             return start;
         start = 1e3;

@@ -20,7 +20,7 @@ struct panel_filter {
     uint32_t count;
 };
 
-// The last point computed about which an object rotates.
+// The centre of rotation of an object that was computed last.
 struct panel_middle {
     uint64_t hash; // hash of the scene for which it was computed; 0: none
     uint32_t object;

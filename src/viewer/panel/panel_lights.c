@@ -25,7 +25,7 @@ static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
              light_kind_names[light->kind], light->hidden ? ", hidden" : "");
 }
 
-// Gives useful values to parameters that become used when a light changes its type.
+// Gives useful values to the parameters that a light's new type uses.
 static void change_kind(struct light *to, uint32_t kind)
 {
     to->kind = kind;

@@ -57,7 +57,7 @@ static bool is_black(const float color[3])
     return color[0] == 0 && color[1] == 0 && color[2] == 0;
 }
 
-// Returns whether a parameter has an effect with the present values of the others.
+// Returns whether a parameter has an effect with the present values of the other parameters.
 static bool matters(const struct document *document, const struct material *m, uint32_t parameter)
 {
     bool is_principled = m->model == MATERIAL_PRINCIPLED;

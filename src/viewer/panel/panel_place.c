@@ -27,7 +27,7 @@ static const double *middle_of(struct panel *panel, const struct scene *scene, u
     return known->middle;
 }
 
-// Shapes with a single scale factor get it along all axes.
+// Applies the changed factor to all axes, for shapes with a single scale factor.
 static void even_scale(double now[3], const double before[3])
 {
     double changed = now[0];

@@ -11,8 +11,8 @@ static const char *const setting_ids[SETTING_TOTAL] = {
 #include "scene/core/settings_list.h"
 };
 
-// Returns whether a word stands for a number beyond the range. The control then ends one step after
-// the range.
+// Returns whether a word stands for a number above the range. The control then has one step more
+// than the range.
 static bool has_word_at_end(const struct field *field)
 {
     return field->word && field->word_value > field->max;

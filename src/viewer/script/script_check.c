@@ -192,8 +192,8 @@ enum step step_expect(struct script *script, struct viewer *viewer,
 
 // --- the command check ---------------------------------------------------------------------------
 
-// Removes from a state what always differs: the control's own value, messages, the number of undone
-// steps, and times.
+// Removes the members of a state that always differ: the control's own value, messages, the number
+// of undone steps, and times.
 static void forget_own(json_t *state, const char *id)
 {
     static const char history[] = "history.";

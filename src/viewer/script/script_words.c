@@ -162,7 +162,7 @@ static bool parse_wait(struct words *words, struct command_line *out, struct err
         out->unit = WAIT_IDLE;
         return true;
     }
-    if (!take_count(words, "how long to wait", 1e9, &out->numbers[0], err))
+    if (!take_count(words, "the time to wait", 1e9, &out->numbers[0], err))
         return false;
     if (!take_one_of(words, units, &unit))
         return err_set(err, ERR_INPUT, "expected frames, ms or samples after the number");

@@ -52,7 +52,7 @@ struct window {
     uint32_t width, height;    // size of the framebuffer in pixels; at least 1
     float scale;               // pixels per point of text: 2 on many high-resolution displays
     double pixels_per_unit[2]; // framebuffer pixels per unit of GLFW's screen coordinates
-    bool is_minimised;         // then nothing is drawn
+    bool is_minimised;         // nothing is drawn while it is true
     bool should_close;
     bool is_captured; // the mouse rotates the view, so it is hidden and not confined to the window
     struct event *events; // the events of the last window_poll()
