@@ -5,7 +5,7 @@
 #include <string.h>
 
 // Sizes in units of the scale. A unit is 1 pixel for images up to 511 pixels wide, 2 pixels up to
-// 767, and so on.
+// 767, 3 pixels up to 1023, and 4 pixels for wider images.
 enum { GAP = 4, BAR = 8, TICK = 2, GLYPH_ROWS = 5, GLYPH_ADVANCE = 4, MARGIN = 10 };
 enum { STRIP = GAP + BAR + TICK + 1 + GLYPH_ROWS + GAP, LEAST_WIDTH = 160, UNIT_MAX = 4 };
 
@@ -28,7 +28,7 @@ static void fill(const struct canvas *c, uint32_t x, uint32_t width, uint32_t y,
         }
 }
 
-// Returns the rows of a glyph from the top as octal digits, whose three bits are the pixels.
+// Returns the rows of a glyph from the top, each as an octal digit whose three bits are pixels.
 static uint32_t glyph(char letter)
 {
     static const char letters[] = "0123456789e-.";
@@ -59,7 +59,7 @@ static void draw_bar(const struct canvas *c, uint32_t left, uint32_t width)
     }
 }
 
-// Draws the ticks: one per decade, or one per fifth of the range.
+// Draws one tick per decade on a logarithmic scale, or one per fifth of the range on a linear one.
 static void draw_ticks(const struct canvas *c, enum error_map map, uint32_t left, uint32_t width)
 {
     struct error_scale scale = error_map_scale(map);

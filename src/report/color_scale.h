@@ -6,8 +6,8 @@
 #include "image/image.h"
 #include "metrics/error_map.h"
 
-// Makes an image of display values with the map's scale below it. Narrow images are made wider to
-// have room for the scale. `arena` owns the result. Returns false when out of memory.
+// Copies an image of display values and draws the map's colour scale below it. Narrow images are
+// made wider to have room for the scale. `arena` owns the result. Returns false when out of memory.
 bool color_scale_append(enum error_map map, const struct image *picture, struct arena *arena,
                         struct image *out);
 

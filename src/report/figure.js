@@ -6,8 +6,8 @@
 
 const figures = (() => {
   const SVG = 'http://www.w3.org/2000/svg';
-  // The colours of Okabe and Ito (2008) without yellow, which people with colour blindness can
-  // distinguish.
+  // The colours of Okabe and Ito (2008), which people with colour blindness can distinguish. Yellow
+  // is omitted.
   const COLORS = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#e69f00', '#000000'];
 
   // Makes an SVG element with attributes and appends it to `parent`.
@@ -50,7 +50,8 @@ const figures = (() => {
     '667 667 611 333 278 333 584 556 333 556 611 556 611 556 333 611 611 278 278 556 278 889 611 611 611 611 389 556 ' +
     '333 611 556 778 556 556 500 389 280 389 584',
   ].map(list => list.split(' ').map(Number));
-  // Characters beyond Latin-1 that WinAnsiEncoding has, or that similar characters in it replace.
+  // Codes in WinAnsiEncoding of characters beyond Latin-1. Characters that it lacks have the code
+  // of a similar one.
   const WIN_ANSI = {
     '\u2212': 0x2d, '\u2026': 0x85, '\u2019': 0x92, '\u2018': 0x91, '\u201c': 0x93, '\u201d': 0x94, '\u2013': 0x96,
     '\u2014': 0x97, '\u2009': 0x20,
@@ -79,7 +80,7 @@ const figures = (() => {
     return alpha === 0 ? null : [r / 255, g / 255, b / 255];
   }
 
-  // Returns the PDF operators of a path. The only curves and arcs that occur are cubic Beziers.
+  // Returns the PDF operators of a path. Cubic Bezier curves are the only curves that occur.
   function pathOperators(d) {
     const tokens = d.match(/[a-zA-Z]|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?/g) || [];
     let out = '', command = '', x = 0, y = 0, startX = 0, startY = 0, at = 0;
@@ -111,8 +112,8 @@ const figures = (() => {
     return out;
   }
 
-  // Returns a circle of four Bezier curves, whose control points are at a distance of 4/3 (sqrt(2)
-  // - 1) radii from their ends.
+  // Returns a circle of four Bezier curves. Each control point is at a distance of 4/3 (sqrt(2) -
+  // 1) radii from an end of its curve.
   function circleOperators(x, y, r) {
     const k = r * 4 / 3 * (Math.SQRT2 - 1);
     const curve = (...p) => `${p.map(number).join(' ')} c\n`;
@@ -138,7 +139,7 @@ const figures = (() => {
   }
 
   async function deflate(bytes) {
-    // Without compression the streams are longer.
+    // In old browsers the streams are not compressed.
     if (typeof CompressionStream === 'undefined') return null;
     const stream = new Blob([bytes]).stream().pipeThrough(new CompressionStream('deflate'));
     return new Uint8Array(await new Response(stream).arrayBuffer());
@@ -238,8 +239,7 @@ const figures = (() => {
       this.content += painted ? `${operators}${painted}Q\n` : 'Q\n';
     }
 
-    // The browser provides the position and the length of the text; the PDF's font determines its
-    // width.
+    // Aligns the text as the browser does. Its width may differ, because the PDF has its own font.
     text(element) {
       const words = element.textContent;
       if (!words.trim() || !element.getNumberOfChars()) return;
@@ -348,7 +348,8 @@ const figures = (() => {
     return element;
   }
 
-  // Makes buttons that save a figure in its state at that time. find() returns its SVG element.
+  // Makes buttons that save a figure as it is when they are pressed. find() returns the SVG
+  // element.
   function exportBar(name, find) {
     const bar = document.createElement('div');
     bar.className = 'figure-bar';
@@ -358,7 +359,7 @@ const figures = (() => {
     return bar;
   }
 
-  // Adds such buttons to the plots that are already in the page.
+  // Adds these buttons to the plots that are already in the page.
   function begin() {
     for (const plot of document.querySelectorAll('figure.plot'))
       plot.append(exportBar(plot.dataset.name, () => plot.querySelector('svg')));

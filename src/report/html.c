@@ -35,7 +35,7 @@ bool html_check_files(const char *folder, struct arena *arena, struct err *err)
 bool html_check_file(const char *path, struct err *err)
 {
     if (path && !path_has_extension(path, "html") && !path_has_extension(path, "htm"))
-        return err_set(err, ERR_USAGE, "%s: expected a name that ends in .html", path);
+        return err_set(err, ERR_USAGE, "%s: expected a name that ends in .html or .htm", path);
     return !path || (file_inputs_check(path, err) && file_check_writable(path, err));
 }
 
@@ -52,7 +52,7 @@ bool html_begin(struct html_page *page, struct arena *arena, const char *folder,
     return true;
 }
 
-// Writes the page's code. Only pages with interactive images or plots have any.
+// Writes the page's scripts. Only pages with viewers or plots have any.
 static void put_scripts(struct html_page *page)
 {
     if (page->viewers == 0 && !page->has_plots)
@@ -116,9 +116,9 @@ void html_base64(struct html_page *page, const uint8_t *bytes, size_t count)
     }
 }
 
-// Writes a digit of base 91. Two digits represent 13 bits, because 91 * 91 >= 2^13, so 16
-// characters carry 13 bytes, which is 7 % more than base64 does. The digits are the characters from
-// '#' on; '~' replaces '<', which could end a script element.
+// Writes a digit of base 91. Two digits represent 13 bits, because 91 * 91 >= 2^13. So 16
+// characters carry 13 bytes, which is 8 % more per character than in base64. The digits are the
+// characters from '#' on; '~' replaces '<', which could end a script element.
 static void put_digit(FILE *out, uint32_t digit)
 {
     const int character = '#' + (int)digit;
@@ -127,7 +127,7 @@ static void put_digit(FILE *out, uint32_t digit)
 
 void html_base91(struct html_page *page, const uint8_t *bytes, size_t count)
 {
-    uint32_t bits = 0, bit_count = 0; // the next bits to be written, and how many there are
+    uint32_t bits = 0, bit_count = 0; // the next bits to be written, and their number
     for (size_t i = 0; i < count || bit_count > 0;) {
         for (; bit_count < 13 && i < count; bit_count += 8)
             bits |= (uint32_t)bytes[i++] << bit_count;
@@ -176,7 +176,7 @@ void html_number(struct html_page *page, double value, const char *format)
 
 // --- plots ---------------------------------------------------------------------------------------
 
-// Writes a text in single quotes, in which gnuplot has no escapes; single quotes in it are doubled.
+// Writes a text in single quotes. gnuplot has no escapes there, so quotes in the text are doubled.
 void html_plot_words(FILE *script, const char *text)
 {
     fputc('\'', script);

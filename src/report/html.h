@@ -12,7 +12,7 @@
 struct html_page {
     struct arena *arena;
     const char *folder; // folder of the page
-    const char *path;   // file of the page; NULL: FOLDER/report.html
+    const char *path;   // file of the page; NULL means FOLDER/report.html
     bool keeps_parts;   // plots, their scripts and images are also written as files beside the page
     float exposure_stops; // exposure, in stops, of the images that follow, except for false colours
     enum tone_curve tone;
@@ -23,11 +23,11 @@ struct html_page {
     FILE *out; // stream of the page
 };
 
-// Checks before the work that FOLDER/report.html and the files results.json and results.csv beside
-// it are not files that this run reads. Fails with ERR_USAGE.
+// Checks that this run does not read FOLDER/report.html or the files results.json and results.csv
+// beside it, which are about to be written. Fails with ERR_USAGE.
 bool html_check_files(const char *folder, struct arena *arena, struct err *err);
 // Does the same for a page with another name, which must end in .html or .htm, and checks that the
-// page can be written. NULL: there is no page.
+// page can be written. Does nothing if `path` is NULL.
 bool html_check_file(const char *path, struct err *err);
 
 // Begins the page FOLDER/report.html in memory, with its title as headline. keeps_parts is false.
@@ -41,17 +41,17 @@ void html_base64(struct html_page *page, const uint8_t *bytes, size_t count);
 // Writes bytes in base 91, which viewer.js decodes. It takes 1.23 characters per byte, base64 takes
 // 1.33.
 void html_base91(struct html_page *page, const uint8_t *bytes, size_t count);
-// Writes a table cell with an interval. `format` has one double. If the interval is not known, only
-// its value is written.
+// Writes a table cell with a value and its interval. `format` has one double. An unknown value is
+// written as "not known"; an unknown interval is omitted.
 void html_interval(struct html_page *page, struct interval interval, const char *format);
 void html_number(struct html_page *page, double value, const char *format);
-// Does the same without a table cell.
+// Writes a known value and its interval, if that is known, without a table cell.
 void html_value(struct html_page *page, struct interval interval, const char *format);
 
 // Runs a gnuplot script and embeds the plot. If gnuplot is not available, the page gets a single
 // note instead. If parts are kept, they are NAME.gp and NAME.svg.
 bool html_plot(struct html_page *page, const char *name, const char *script, struct err *err);
-// Writes a text for such a script, in quotes.
+// Writes a text in quotes to a gnuplot script.
 void html_plot_words(FILE *script, const char *text);
 // Embeds an image. `attributes` are HTML attributes of the element, such as a class. If parts are
 // kept, the file is NAME.png.

@@ -4,10 +4,11 @@
 #include "metrics/metrics.h"
 #include <math.h>
 
-// Converts false colours, which are display values, to the linear values that images have.
+// Reduces false colours, which are display values, to few colours and converts them to linear
+// values.
 static void linearize(struct image *image)
 {
-    const float steps = 16; // number of steps of the reduced colour scale
+    const float steps = 16; // number of steps of each component
     uint64_t count = (uint64_t)image->width * image->height;
     for (uint64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)

@@ -9,15 +9,15 @@
 #include <string.h>
 
 // If the values of all images together take at most this many bytes as floats, they are stored as
-// floats. In the page, as PNG in base 91, they take at most 1.23 times as much, because noise in 16
-// bits cannot be compressed.
+// floats. In the page, as PNG files in base 91, they take at most 1.23 times as much. Noise takes
+// nearly that much, because it cannot be compressed.
 #define FLOATS_MAX (UINT64_C(8) << 20)
 // If the images take more bytes than this as halves, two bits of each half are rounded away. Noise
 // cannot be compressed, so this keeps a page with four images of 1280 x 720 pixels near 20 MB. The
 // remaining 9 bits of precision are three decimal digits.
 #define ALL_BITS_MAX (UINT64_C(16) << 20)
 // If the images take more bytes than this as halves, their resolution is reduced. Five images of
-// 1920 x 1080 pixels are not.
+// 1920 x 1080 pixels keep their resolution.
 #define HALVES_MAX (UINT64_C(64) << 20)
 
 static uint64_t component_count(const struct html_viewer_params *params, uint32_t reduction)
@@ -143,8 +143,8 @@ static float reduced(const struct html_viewer *v, const float *values, uint32_t 
     return (float)(sum / (double)count);
 }
 
-// Computes the 32-bit FNV-1a hash, with which the page verifies the values that it has decoded:
-// some browsers alter the pixels of canvases on purpose.
+// Computes the 32-bit FNV-1a hash. With it the page verifies the values that it has decoded,
+// because some browsers alter the pixels of canvases on purpose.
 static uint32_t hash_codes(const uint8_t *codes, size_t count)
 {
     uint32_t hash = 0x811c9dc5u;
@@ -213,7 +213,7 @@ static bool put_planes(struct html_viewer *v, const float (*pixels)[3], uint32_t
 }
 
 // Returns the code of FLIP (red) or HDR-FLIP (green), in steps of 1/255, or of 1/31 if the images
-// are stored as halves: maps of noisy images do not compress, and this many shades of false colours
+// are stored as halves. Maps of noisy images do not compress, and so few shades of false colours
 // are enough.
 static uint8_t flip_code(const struct html_viewer *v, float value)
 {

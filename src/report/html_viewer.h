@@ -11,7 +11,8 @@ struct html_viewer_params {
     uint32_t width, height; // size of every image
     uint32_t count;         // number of images, including the reference
     float exposure_stops;   // initial exposure
-    // Initial tone curve; the page has TONE_NONE and TONE_ACES, and replaces others by TONE_NONE.
+    // Initial tone curve. The page supports TONE_NONE and TONE_ACES and replaces others by
+    // TONE_NONE.
     enum tone_curve tone;
 };
 
@@ -19,7 +20,7 @@ struct html_viewer_picture {
     const char *label, *title; // the short and the full name
     const float (*pixels)[3];
     bool is_reference; // errors are measured against this image; true for at most one image
-    const float *flip, *hdr_flip; // maps of FLIP and HDR-FLIP; either both or none are NULL
+    const float *flip, *hdr_flip; // maps of FLIP and HDR-FLIP; both are NULL or neither is
 };
 
 struct html_viewer {

@@ -26,7 +26,7 @@ const TONES = {
   aces: x => x * (2.51 * x + .03) / (x * (2.43 * x + .59) + .14), // Narkowicz 2015
 };
 
-// The sRGB encoding (IEC 61966-2-1) to 8 bits.
+// Returns the sRGB code of a linear value (IEC 61966-2-1), rounded to 8 bits.
 function srgbCode(linear) {
   const x = Math.min(Math.max(linear, 0), 1);
   return Math.floor(255 * (x <= .0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - .055) + .5);
@@ -125,7 +125,7 @@ class Picture {
   }
 
   // Returns the index of a component in the table of codes: the half itself, or the upper 17 bits
-  // of a float, whose steps change the code by at most a fifth.
+  // of a float. The lower bits change the code by at most about a fifth.
   code(component) {
     return this.words ? this.words[component] >>> 15 : this.halves[component];
   }
@@ -274,7 +274,7 @@ class Viewer {
       tab.append(make('kbd', {}, i < 9 ? String(i + 1) : ''), picture.label);
       return tab;
     });
-    this.canvas = make('canvas', { tabIndex: 0, role: 'img', 'aria-label': 'the picture; arrow keys move the pixel whose values are told' });
+    this.canvas = make('canvas', { tabIndex: 0, role: 'img', 'aria-label': 'the picture; arrow keys move the pixel whose values are shown' });
     this.name = make('div', { className: 'viewer-name' });
     this.stage = make('div', { className: 'viewer-stage' }, this.canvas, this.name);
     this.divider = make('input', { type: 'range', className: 'viewer-divider', min: 0, max: 1, step: .001, value: .5, hidden: true,
@@ -282,7 +282,7 @@ class Viewer {
     this.notes = make('div');
     if (spec.reduction > 1)
       this.notes.append(make('p', { className: 'note' }, `Pictures of ${spec.sourceWidth} \u00d7 ${spec.sourceHeight} pixels ` +
-        `are reduced here: each pixel is the mean of ${spec.reduction} \u00d7 ${spec.reduction}. Errors in tables are those of the whole pictures.`));
+        `are reduced here: each pixel is the mean of ${spec.reduction} \u00d7 ${spec.reduction}. Errors in tables are computed from the original pictures.`));
     if (spec.digits === 3)
       this.notes.append(make('p', { className: 'viewer-help' }, 'The pictures are large, so the page has only three digits of each value.'));
     if (this.isAltered)
@@ -322,9 +322,9 @@ class Viewer {
   }
 
   buildHelp() {
-    const keys = [['1\u20139', 'flip between pictures'], ['M', 'next map of errors'], ['E, Shift+E', 'brighter, darker'], ['+, \u2212, 0, F', 'zoom, 1:1, fit'],
-      ['S', 'split with the reference'], ['C', 'crop; Enter makes one in the middle'], ['arrows', 'move the pixel; with Shift the picture'],
-      ['drag, wheel', 'pan; zoom, once the picture was clicked, or with Ctrl']];
+    const keys = [['1\u20139', 'show a picture'], ['M', 'next error map'], ['E, Shift+E', 'brighter, darker'], ['+, \u2212, 0, F', 'zoom; 1:1; fit'],
+      ['S', 'split with the reference'], ['C', 'crop; Enter adds a crop at the pixel, or in the middle'], ['arrows', 'move the pixel; with Shift the picture'],
+      ['drag, wheel', 'pan; zoom, after a click on the picture or with Ctrl']];
     const list = keys.flatMap(([key, words], i) => [i ? ' \u00b7 ' : '', make('kbd', {}, make('b', {}, key)), ` ${words}`]);
     return make('details', { className: 'viewer-help' }, make('summary', {}, 'Keys and mouse'), make('p', {}, ...list));
   }
@@ -352,8 +352,7 @@ class Viewer {
     }, { passive: false });
   }
 
-  // --- drawing
-  // -------------------------------------------------------------------------------------
+  // --- drawing -----------------------------------------------------------------------------------
 
   show(index) {
     if (!this.pictures[index]) return;
@@ -474,7 +473,7 @@ class Viewer {
   setScale(scale, anchor) {
     const fixed = anchor || this.centre, old = this.scale;
     this.scale = Math.min(Math.max(scale, SCALE_MIN), SCALE_MAX);
-    // The point under the cursor stays in its place.
+    // The fixed point keeps its place on the canvas.
     this.moveTo(fixed.x + (this.centre.x - fixed.x) * old / this.scale, fixed.y + (this.centre.y - fixed.y) * old / this.scale);
   }
 
@@ -533,7 +532,7 @@ class Viewer {
     if (this.cursor && scale >= 6) this.drawRectangle(context, Object.assign({ width: 1, height: 1 }, this.cursor), '#ffffff', 1);
   }
 
-  // Draws white lines below, so that the rectangle is visible on every image.
+  // Draws wider white lines first, so that the rectangle is visible on every image.
   drawRectangle(context, r, color, width) {
     const s = this.scale;
     for (const [style, line] of [['rgba(255,255,255,.85)', width + 1.5], [color, width]]) {
@@ -636,8 +635,8 @@ class Viewer {
     this.updateAll();
   }
 
-  // Returns a square with an eighth of the image's width, around the pixel or around the centre of
-  // the visible part.
+  // Adds a square crop with an eighth of the image's width. Its centre is the pixel whose values
+  // are shown or, if there is none, the centre of the visible part.
   cropHere() {
     const size = Math.max(Math.round(this.spec.width / 8), 2), at = this.cursor || this.centre;
     this.addCrop(this.rectangle({ x: at.x - size / 2, y: at.y - size / 2 }, { x: at.x + size / 2, y: at.y + size / 2 }));

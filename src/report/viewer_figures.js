@@ -2,15 +2,15 @@
 // viewer's crops, its exposure and the map that it shows.
 'use strict';
 
-// Formats a number such as "1.23e-4" with a minus sign of the proper width.
+// Formats a number, for example as "1.23e-4", with the Unicode minus sign.
 function formatError(value) {
   if (!Number.isFinite(value)) return value > 0 ? '\u221e' : '\u2013';
   const text = value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5) ? value.toExponential(2) : value.toPrecision(3);
   return text.replace('e+', 'e').replace(/-/g, '\u2212');
 }
 
-// Returns the ticks of an axis: powers of ten if there are at least two, otherwise 1, 2 and 5 of
-// each decade.
+// Returns the ticks of an axis: powers of ten if the range has at least two decades, otherwise 1, 2
+// and 5 times powers of ten.
 function logTicks(low, high) {
   const ticks = [], decades = Math.log10(high / low);
   for (let k = Math.floor(Math.log10(low)); k <= Math.ceil(Math.log10(high)); k++)
@@ -100,8 +100,8 @@ class ViewerFigures {
     this.distribution.replaceChildren(this.drawDistribution(map));
   }
 
-  // Shortens a name to a width in pixels. Its end is kept, because it usually differs more than its
-  // middle.
+  // Shortens a name to a width in pixels by removing its middle, because names differ more often at
+  // their ends.
   static shorten(text, width, size, bold) {
     const context = ViewerFigures.context || (ViewerFigures.context = document.createElement('canvas').getContext('2d'));
     context.font = `${bold ? 'bold ' : ''}${size}px Helvetica, Arial, 'Liberation Sans', sans-serif`;
@@ -125,7 +125,8 @@ class ViewerFigures {
     return canvas.toDataURL('image/png');
   }
 
-  // Returns the best of a figure's values, which is printed in bold: the least positive error.
+  // Returns the least of the images' values of a metric, which is printed in bold. Returns NaN if
+  // only one image has a value.
   best(name) {
     const values = this.viewer.spec.pictures.map(p => p.figures.find(f => f.name === name)).filter(f => f && f.value !== null);
     return values.length > 1 ? Math.min(...values.map(f => f.value)) : NaN;
@@ -177,7 +178,8 @@ class ViewerFigures {
 
   // --- plots -------------------------------------------------------------------------------------
 
-  // Draws axes with ticks, and with labels below and, if the axis has one, at the left.
+  // Draws axes with grid lines and labels, and `words` below. If y.hasTicks is false, the vertical
+  // axis has no lines and no labels.
   drawFrame(svg, x, y, words) {
     for (const value of x.ticks()) {
       const at = x.at(value);
@@ -208,7 +210,7 @@ class ViewerFigures {
       const y = TOP + (row + .5) * ROW, color = figures.COLORS[i % figures.COLORS.length];
       figures.draw(svg, 'text', { x: LEFT - 10, y: y + 4, 'text-anchor': 'end' }, ViewerFigures.shorten(picture.label, LEFT - 14, 12));
       if (figure.low !== null && figure.high !== null) {
-        // An interval that begins below the range of the axis is drawn from its end.
+        // A bound that a logarithmic axis cannot show is drawn at the start of the axis.
         const from = isLog && !(figure.low > 0) ? x.from : x.at(figure.low), to = x.at(figure.high);
         figures.draw(svg, 'path', { d: `M${from},${y}H${to}M${from},${y - 5}V${y + 5}M${to},${y - 5}V${y + 5}`, fill: 'none', stroke: color, 'stroke-width': 1.6 });
       }
@@ -218,7 +220,7 @@ class ViewerFigures {
     return svg;
   }
 
-  // Draws the share of pixels whose error exceeds a value, in steps of the map's scale.
+  // Returns the share of pixels whose error exceeds a value, for steps of the map's scale.
   shares(picture, map) {
     picture.shares = picture.shares || {};
     if (picture.shares[map.name]) return picture.shares[map.name];
