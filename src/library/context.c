@@ -156,8 +156,8 @@ void lampyris_context_release(struct lampyris_context *context)
 
 // --- errors --------------------------------------------------------------------------------------
 
-// Finds the part of a message that says what was expected: the text after the last "expected ", or
-// the range in "1.7 is outside [0, 1]".
+// Finds the part of a message that says what was expected. This is the text between the last
+// "expected " and ", not ", or the range in "1.7 is outside [0, 1]".
 static void find_expected(const char *message, char out[256])
 {
     static const char expected[] = "expected ", outside[] = " is outside ";

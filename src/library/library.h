@@ -15,7 +15,7 @@
 struct lampyris_context {
     struct gpu gpu;
     struct gpu_params gpu_params;
-    char *device;     // owns the name in gpu_params; may be NULL
+    char *device;     // owns params.device; may be NULL
     bool is_open;     // the device is open
     uint32_t refs;    // one for the caller, and one for each scene, render and picture
     uint32_t renders; // number of renders, each of which uses the device
@@ -36,17 +36,17 @@ struct lampyris_context {
 // Begins a call and directs messages to the context's log. Returns false if another call is in
 // progress; the caller then returns LAMPYRIS_INPUT.
 bool library_enter(struct lampyris_context *context);
-// Ends a call. Clears context->err if `ok` is set, and returns its status.
+// Ends a call. Clears context->err if `ok` is set. Returns the status of the call.
 enum lampyris_status library_leave(struct lampyris_context *context, bool ok);
 // Opens the device if it is not open. A lost device is opened again if no render uses it.
 bool library_open_device(struct lampyris_context *context, struct err *err);
 void library_unref(struct lampyris_context *context);
 
-// Copies a struct of the caller, which begins with its size, to `to`. Members that it lacks become
-// zero, and so do all if `from` is NULL. Fails with ERR_USAGE if the struct is longer than `size`
-// and the additional members are not zero.
+// Copies a struct of the caller, which begins with its size, to `to`. Members that the caller's
+// struct lacks become zero. If `from` is NULL, all members become zero. Fails with ERR_USAGE if the
+// struct is longer than `size` and the additional members are not zero.
 bool library_take(void *to, size_t size, const void *from, const char *what, struct err *err);
-// Copies to a struct of the caller those members that it has according to its size.
+// Copies to the caller's struct as many members as its size covers.
 bool library_give(void *to, const void *from, size_t size, struct err *err);
 
 // --- progress.c ---
@@ -75,7 +75,7 @@ struct scene_mesh {
     struct arena arena; // owns the copied arrays and the name
 };
 
-// A change of the document that the command line can make, too, by -D.
+// A change of the document that the command line can make as well, with -D.
 struct scene_edit {
     char *key, *value;
     struct scene_edit *next;
@@ -86,8 +86,8 @@ struct lampyris_scene {
     struct arena arena;        // owns all data that live as long as the scene
     const char *path;          // path of the scene's file; for a document given as text,
                                // "FOLDER/document.json"
-    const char *document_path; // path of the document: that of the file, or of a .json file beside
-                               // the model
+    const char *document_path; // path of the document: the file itself, or a .json file beside the
+                               // model
     json_t *document;          // NULL: the document has not been needed yet
     bool is_text;              // the document was given as text; there is no file
     bool is_edited;            // the document differs from the file
@@ -104,7 +104,7 @@ struct lampyris_scene {
 
 // Makes scene->document if there is none.
 bool scene_need_document(struct lampyris_scene *scene, struct err *err);
-// Reads the scene if it was not read since its last change. The caller releases *out by
+// Reads the scene if it has not been read since its last change. The caller releases *out with
 // loaded_release().
 bool scene_need(struct lampyris_scene *scene, struct library_progress *progress,
                 struct loaded **out, struct err *err);
@@ -116,7 +116,7 @@ void loaded_release(struct loaded *loaded); // accepts NULL
 // *err.
 json_t *pointer_find(json_t *document, const char *pointer, struct err *err);
 // Sets the value that a JSON pointer names, and takes over the reference to `value`. *is_made says
-// whether objects on the way, or an element of an array, were added.
+// whether missing objects or an array element were added, or the whole document was replaced.
 bool pointer_set(json_t **document, const char *pointer, json_t *value, bool *is_made,
                  struct err *err);
 bool pointer_remove(json_t *document, const char *pointer, struct err *err);
@@ -133,7 +133,8 @@ struct render_wishes {
     const char *resume; // path of a checkpoint, in the render's arena; NULL: none
 };
 
-// Reads the JSON object `json`: the scene's settings into *scene, all others into *out.
+// Reads settings from the JSON text `json`. The scene's settings are stored in *scene, all others
+// in *out.
 bool render_read_settings(const char *json, struct scene *scene, struct arena *arena,
                           struct render_wishes *out, struct err *err);
 
@@ -164,7 +165,8 @@ bool render_need_film(struct lampyris_render *render, struct err *err);
 // Returns the beginning of the command line that renders the scene, in `arena`. Returns NULL if
 // there is none, or when out of memory.
 const char *repeat_begin(const struct lampyris_scene *scene, struct arena *arena);
-// Returns the command line that renders the present film, in `arena`; NULL in the same cases.
+// Returns the command line that renders the present film, in `arena`. Returns NULL if there is
+// none, or when out of memory.
 const char *repeat_command(const struct lampyris_render *render, struct arena *arena);
 
 #endif

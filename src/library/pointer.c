@@ -101,7 +101,7 @@ json_t *pointer_find(json_t *document, const char *pointer, struct err *err)
 }
 
 // Returns the object or array that contains the value which the pointer names; `step` receives the
-// last step. If `makes` is not NULL, missing objects are made.
+// last step. If `makes` is not NULL, missing objects are made and *makes is set.
 static json_t *find_parent(json_t *document, const char *pointer, bool *makes,
                            char step[STEP_BYTES], struct err *err)
 {

@@ -26,8 +26,8 @@ void lampyris_render_release(struct lampyris_render *render)
     library_unref(context);
 }
 
-// Copies the scene, with cameras and settings of the render's own; all other data are shared. From
-// now on, memory allocated for the copy belongs to the render.
+// Copies the scene for the render. The copy has its own cameras and settings and shares all other
+// data. Memory that is later allocated for the copy belongs to the render.
 static bool adapt_scene(struct lampyris_render *render, const char *settings, struct err *err)
 {
     const struct scene *shared = &render->loaded->scene;
@@ -127,7 +127,7 @@ static bool find_goal(const struct lampyris_render *render, const struct lampyri
     return true;
 }
 
-// Keeps the film that was read before the device failed, if there is one.
+// If the device failed, keeps the film that was read before, if there is one.
 static bool rescue(struct lampyris_render *render, enum err_code failure)
 {
     bool is_device = failure == ERR_GPU || failure == ERR_SYSTEM || failure == ERR_BUDGET;

@@ -82,7 +82,7 @@ static const char *append_layers(const char *line, uint32_t aovs, struct arena *
                                    : NULL;
 }
 
-// Returns whether the render has its planned number of samples: a sampler that needs this number in
+// Returns whether the render has its planned number of samples. A sampler that needs this number in
 // advance renders the same picture only for the same number.
 static bool is_as_planned(const struct job *job)
 {

@@ -206,8 +206,9 @@ void lampyris_text_release(char *text)
     free(text);
 }
 
-// Returns whether the value names a file. Such a value is not repeated as an override: a path on
-// the command line is relative to the working directory, a path in a document to its folder.
+// Returns whether the value names a file. Such a value is not repeated as an override, because a
+// path on the command line is relative to the working directory, but a path in a document is
+// relative to the document's folder.
 static bool names_a_file(const json_t *value)
 {
     const char *key;
@@ -280,8 +281,8 @@ enum lampyris_status lampyris_scene_remove(struct lampyris_scene *scene, const c
 
 // --- meshes --------------------------------------------------------------------------------------
 
-// Copies an array with its gaps. Bytes after the last element may not belong to the caller, so they
-// are not read.
+// Copies an array with the gaps between its elements. Bytes after the last element may not belong
+// to the caller, so they are not read.
 static bool copy_array(struct arena *arena, const void **data, size_t *stride, uint32_t count,
                        size_t bytes, struct err *err)
 {

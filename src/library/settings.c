@@ -84,7 +84,7 @@ static bool read_resume(const struct json_node *settings, struct arena *arena, c
     return !path || *out || err_memory(err, "a path", strlen(path) + 1);
 }
 
-// --- all of them ---------------------------------------------------------------------------------
+// --- all settings --------------------------------------------------------------------------------
 
 static bool check_keys(const struct json_node *node, struct err *err)
 {

@@ -1,4 +1,4 @@
-// Makes layers of an EXR file from the images other than radiance.
+// Lists the layers of an EXR file that contain AOVs.
 #include "output/layers.h"
 
 #include "render/render.h"
@@ -42,6 +42,6 @@ uint64_t layers_bytes(uint32_t wanted, bool half_float)
     uint64_t bytes = film_aovs_bytes(wanted);
     bytes += wanted & AOV_SAMPLES ? sizeof(uint32_t) : 0;
     bytes += wanted & AOV_HALVES ? 2 * sizeof(float[3]) : 0;
-    // Most layers are also written in half precision; the exceptions are too few to matter.
+    // Most layers then take half the bytes; the exceptions are neglected.
     return half_float ? bytes / 2 : bytes;
 }

@@ -1,4 +1,4 @@
-// Makes the layers of an EXR file that contain AOVs: images other than radiance.
+// Lists the layers of an EXR file that contain AOVs, which are images other than radiance.
 #ifndef LAMPYRIS_OUTPUT_LAYERS_H
 #define LAMPYRIS_OUTPUT_LAYERS_H
 
@@ -15,8 +15,7 @@ struct film_image;
 
 // Lists those layers of the film that are requested (AOV_*). The film owns their values.
 void layers_list(const struct film_image *film, uint32_t wanted, struct layers *out);
-// Returns the greatest number of bytes per pixel that these layers take in a file without
-// compression.
+// Estimates the number of bytes per pixel that these layers take in a file without compression.
 uint64_t layers_bytes(uint32_t wanted, bool half_float);
 
 #endif

@@ -29,7 +29,7 @@ struct metadata_params {
     const struct job_seconds *seconds;
     const char *ended_by; // see job_ended_by()
     const char *command;  // the command that rendered the image
-    const char *repeat;   // a command that renders it again; NULL if there is none
+    const char *repeat;   // a command that renders the image again; NULL if there is none
     uint64_t samples;     // samples per pixel, as for --spp
     uint64_t image_hash;
     float exposure;  // stops
@@ -37,8 +37,7 @@ struct metadata_params {
     uint32_t frame;  // number of the frame; 0: the image has the samples of all frames
 };
 
-// Makes the metadata. Values are copied into `arena`, except the two commands and the error's
-// reason.
+// Makes the metadata. Values are copied into `arena`, except the two commands.
 bool metadata_make(const struct metadata_params *params, struct arena *arena, struct metadata *out,
                    struct err *err);
 // Adds a value or replaces the value with the same key. A value of NULL means that there was no
