@@ -8,7 +8,7 @@
 #include <string.h>
 
 // Under AddressSanitizer the unused part of a block is poisoned and a gap is left between
-// allocations, so that running past the end of one is found as it would be with malloc.
+// allocations, so that accesses beyond the end of an allocation are found, as with malloc().
 #if defined(__SANITIZE_ADDRESS__)
 #define ARENA_POISONS 1
 #elif defined(__has_feature)
@@ -21,7 +21,8 @@
 #include <sanitizer/asan_interface.h>
 enum { GAP_BYTES = 64 };
 
-// Under the sanitizer, too, a request for more memory than exists must be a reported error.
+// Makes failed allocations return NULL under AddressSanitizer, too, so that the program reports
+// them.
 const char *__asan_default_options(void)
 {
     return "allocator_may_return_null=1";
@@ -34,7 +35,7 @@ enum { GAP_BYTES = 0 };
 
 enum {
     ALIGN_SMALL = 16,
-    ALIGN_LARGE = 64, // a cache line: suits SIMD loads and mapped uploads
+    ALIGN_LARGE = 64, // a cache line, which suits SIMD loads and mapped uploads
     FIRST_BLOCK_BYTES = 1 << 14,
     LAST_BLOCK_BYTES = 1 << 20,
 };
@@ -86,9 +87,9 @@ static size_t block_fit(const struct arena_block *block, size_t bytes, size_t al
     return at <= block->size && bytes <= block->size - at ? at : SIZE_MAX;
 }
 
-// Returns the block for the allocation: the current one, a new current one, or, for an allocation
-// that is too large to share, a block of its own that is linked after the current one, which stays
-// in use.
+// Returns the block for an allocation. If the current block has too little room, makes a new
+// current block. A large allocation gets a block of its own, which is linked after the current one,
+// so that the current one stays in use.
 static struct arena_block *block_for(struct arena *arena, size_t bytes, size_t alignment)
 {
     struct arena_block *current = arena->blocks;
@@ -148,7 +149,8 @@ void *arena_reserve(struct arena *arena, void *items, uint32_t count, uint64_t m
         return items;
     uint64_t needed = count + more, doubled = 2 * (uint64_t)*capacity;
     uint64_t grown_capacity = needed > doubled ? needed : doubled;
-    void *grown = arena_alloc(arena, grown_capacity, size); // first, so that the budget is checked
+    void *grown = arena_alloc(arena, grown_capacity, size); // before the test, so that the budget
+                                                            // is checked
     if (!grown || grown_capacity > UINT32_MAX)
         return NULL;
     if (count > 0)

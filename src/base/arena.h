@@ -1,5 +1,5 @@
-// Arena memory: many allocations, one release. CPU data of a scene lives in one arena, scratch
-// data of a phase in another. Not thread-safe; one thread uses an arena at a time.
+// Arena memory: many allocations, one release. The CPU data of a scene are in one arena, the
+// temporary data of a phase in another. An arena is not thread-safe: one thread uses it at a time.
 #ifndef LAMPYRIS_BASE_ARENA_H
 #define LAMPYRIS_BASE_ARENA_H
 
@@ -12,12 +12,12 @@ struct arena_block;
 // {0} is a valid, empty arena. Its memory counts against the budget of the process (memory.h).
 struct arena {
     struct arena_block *blocks;
-    size_t used_bytes; // handed out so far, padding included
+    size_t used_bytes; // bytes allocated so far, including padding
 };
 
-// Returns zeroed memory for `count` elements of `size` bytes, aligned to 64 bytes (to 16 when
-// small). NULL when count * size overflows, or when memory or its budget is exhausted. A count of 0
-// gives a valid pointer.
+// Returns zeroed memory for `count` elements of `size` bytes. It is aligned to 64 bytes, or to 16
+// if it is smaller than 64 bytes. Returns NULL when count * size overflows, or when memory or its
+// budget is exhausted. A count of 0 gives a valid pointer.
 void *arena_alloc(struct arena *arena, size_t count, size_t size);
 // Copies an array. Returns NULL in the same cases as arena_alloc.
 void *arena_copy(struct arena *arena, const void *from, size_t count, size_t size);
@@ -40,8 +40,8 @@ char *arena_vprintf(struct arena *arena, const char *format, va_list arguments)
 // Releases all memory and leaves {0} in the arena. Accepts NULL and {0}.
 void arena_finish(struct arena *arena);
 
-// For fault tests: the n-th allocation from now (1: the next), in any arena and thread, fails once
-// as if memory were exhausted. 0 cancels it.
+// For tests: makes the n-th allocation from now fail once, in any arena and thread, as if memory
+// were exhausted. 1 is the next allocation; 0 cancels the failure.
 void arena_fail_at(uint64_t n);
 
 #define ARENA_NEW(arena, type, count) ((type *)arena_alloc((arena), (count), sizeof(type)))

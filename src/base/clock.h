@@ -8,7 +8,7 @@ uint64_t clock_ns(void);
 // Returns nanoseconds since 1970 by the system's clock, which users may set. The times of files are
 // from the same clock.
 uint64_t clock_wall_ns(void);
-// Waits for this time, or until a signal arrives.
+// Waits for the duration, or until a signal arrives.
 void clock_sleep(double seconds);
 
 // Returns the seconds since `start_ns`, a time of clock_ns().

@@ -6,12 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
-// The macro of err.h would replace the name in the function's definition below.
+// The macros of err.h would replace the names in the definitions below.
 #undef err_set
 #undef err_prepend
 #undef err_memory
 
-// Formats a text, which is cut off where it does not fit; a format that fails gives "".
+// Formats a text and cuts it off after size - 1 bytes. If formatting fails, the text is "".
 static void print(char *text, size_t size, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
 

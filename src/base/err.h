@@ -21,7 +21,7 @@ enum err_code {
 
 struct err {
     enum err_code code;
-    bool is_missing; // ERR_INPUT: the file does not exist
+    bool is_missing; // the file of an ERR_INPUT does not exist
     char msg[512];
     // The document that is wrong, and the place in it as a JSON pointer (RFC 6901) such as
     // "/materials/white/roughness", for programs that read errors; `msg` says the same to people.
@@ -40,12 +40,13 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
 // Prepends context to the message, "CONTEXT: MESSAGE", and keeps the code; returns false.
 bool err_prepend(struct err *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Sets the file and the place unless they are already set: if documents refer to each other, the
-// one in which the problem was found is kept. Texts that are too long are cut off.
+// Sets the file and the place unless they are already set. If documents refer to each other, the
+// one in which the problem was found is thus kept. Sets nothing if `file` is too long, and omits a
+// `place` that is too long.
 void err_locate(struct err *err, const char *file, const char *place);
 
-// Reports that memory could not be allocated: ERR_BUDGET if the budget refused it, with how much
-// WHAT needs and what is left; else ERR_SYSTEM, "out of memory (N bytes for WHAT)". Returns false.
+// Reports that memory for `what` could not be allocated. Sets ERR_BUDGET, with the bytes that are
+// needed and left, if the budget refused it; otherwise sets ERR_SYSTEM. Returns false.
 bool err_memory(struct err *err, const char *what, unsigned long long bytes);
 
 // Shows compilers and analysers, in every file, that the value is always false. Otherwise they

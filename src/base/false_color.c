@@ -26,8 +26,8 @@ static bool is_shown(const double rgb[3])
     return ok;
 }
 
-// Lightness increases evenly while the hue goes from violet through red to yellow, half of the
-// circle; the chroma, greatest in the middle, is reduced to the gamut of displays.
+// Lightness increases evenly. The hue traverses half of the circle, from violet through red to
+// yellow. The chroma is greatest in the middle and is reduced to the gamut of displays.
 void false_color(double level, double out[3])
 {
     double lightness = 0.97 * level, hue = (285 + 180 * level) * M_PI / 180;

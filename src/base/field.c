@@ -19,7 +19,7 @@ static int shift(const struct field *field)
     return __builtin_ctz(mask(field));
 }
 
-// Returns the four bytes at an offset: a count, a choice, a flag.
+// Returns the uint32_t at an offset, which holds a switch, a count, a choice or a flag.
 static uint32_t get_word(const void *object, size_t offset)
 {
     uint32_t word;

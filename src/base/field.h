@@ -30,9 +30,10 @@ struct field {
     const char *word;
     double word_value;
     size_t flag;
-    // For angles and lengths: users write a number; the member holds that number times `unit` (0:
-    // 1). The range applies to the number. exact_key, or NULL, is a second key whose number is
-    // multiplied by exact_unit (0: 1), for values that no rounded product with `unit` equals.
+    // For angles and lengths, users write a number, and the member holds that number times `unit`
+    // (0 means 1). The range applies to the number. exact_key, or NULL, is a second key whose
+    // number is multiplied by exact_unit (0 means 1), for values that no rounded product with
+    // `unit` equals.
     double unit, exact_unit;
     const char *exact_key;
 };

@@ -139,7 +139,8 @@ static bool is_under(const char *path, const char *folder)
     return strncmp(path, folder, length) == 0 && path[length] == '/';
 }
 
-// Returns the path with symbolic links resolved, in the arena; NULL with *err set.
+// Returns the path with symbolic links resolved, in the arena. On failure returns NULL and sets
+// *err.
 static char *real_path(struct arena *arena, const char *path, struct err *err)
 {
     char *resolved = file_real_path(path);
@@ -158,8 +159,9 @@ static char *real_path(struct arena *arena, const char *path, struct err *err)
     return copy;
 }
 
-// Returns the regular file under `folder` to which `joined`, the decoded path with the folder
-// prepended, leads; NULL with *err set. `written` is the path for messages.
+// Returns the regular file to which `joined` leads, which must be under `folder`. `joined` is the
+// decoded path with the folder prepended; `written` is the path for messages. On failure returns
+// NULL and sets *err.
 static char *resolve_inside(struct arena *arena, const char *folder, const char *joined,
                             const char *written, struct err *err)
 {

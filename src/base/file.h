@@ -14,10 +14,10 @@ struct file_bytes {
     size_t size;
 };
 
-// Reads a regular file of at most max_bytes (0: 4 GiB); data appended after the file was opened are
-// not read. FIFOs, devices and folders are ERR_INPUT, and opening them never blocks. Records the
-// file as an input of this run (base/file_inputs.h). If the file does not exist, err->is_missing is
-// set, by file_resolve() too.
+// Reads a regular file of at most max_bytes (0 means 4 GiB). Data that are appended after the file
+// was opened are not read. FIFOs, devices and folders are ERR_INPUT, and opening them never blocks.
+// Records the file as an input of this run (base/file_inputs.h). If the file does not exist, this
+// function and file_resolve() set err->is_missing.
 bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                struct err *err);
 // Reads a file that the program itself wrote and continues. Unlike file_read(), it does not record
@@ -25,7 +25,7 @@ bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct f
 bool file_read_own(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                    struct err *err);
 
-// How to interpret a path that is written inside a file.
+// The rules by which a path that is written inside a file is interpreted.
 struct file_reference {
     const char *folder;  // folder of the file that contains the path
     bool percent_decode; // decode %XX first, as in URIs; a malformed escape or %00 is refused
@@ -71,8 +71,8 @@ char *file_target(const char *path);
 // left behind when the process is killed.
 //
 // Character devices and pipes (/dev/null, /dev/full, a shell's >(command)) cannot be replaced by
-// renaming: they are written to directly, so a failure may come after part of the data. Block
-// devices and sockets are refused.
+// renaming. They are written to directly, so that a failure may leave part of the data written.
+// Block devices and sockets are refused.
 struct file_writer {
     int handle;           // -1 when closed
     char *path;           // the file to replace, symbolic links resolved; NULL when closed

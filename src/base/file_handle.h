@@ -9,8 +9,8 @@
 int file_handle_open(const char *path);
 // Creates a new file for reading and writing. Fails with EEXIST if the path exists.
 int file_handle_create(const char *path, unsigned permissions);
-// Creates a new file without a name in the folder. Unless it is given a name, it vanishes with the
-// process. Not every system and file system supports this.
+// Creates a new file without a name in the folder. Unless it gets a name, it vanishes when its
+// handle is closed. Not every system and file system supports this.
 int file_handle_create_unnamed(const char *folder, unsigned permissions);
 bool file_handle_name(int handle, const char *path);
 // Opens an existing pipe or device for writing. Fails with ENXIO for a pipe without a reader.
@@ -30,8 +30,7 @@ bool file_handle_sync(int handle); // makes all data written durable
 // with EWOULDBLOCK if another handle, in any process, has the lock. If the file system does not
 // support locks, sets *is_locked to false and errno to the reason.
 int file_handle_lock(const char *path, bool *is_locked);
-// Removes the file and releases the lock, in an order that never removes a file locked by another
-// holder.
+// Removes the file and releases the lock. Never removes a file that another holder has locked.
 void file_handle_unlock(int handle, const char *path);
 
 #endif

@@ -129,7 +129,8 @@ bool file_inputs_check(const char *output, struct err *err)
     return ok;
 }
 
-// Compares two files that do not exist yet: they are the same if name and folder are.
+// Compares two files that do not exist yet. They are the same if they have the same name and
+// folder.
 static bool same_place(const char *a, const char *b)
 {
     struct arena arena = {0};

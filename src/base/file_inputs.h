@@ -23,8 +23,8 @@ void file_inputs_begin(struct file_inputs *inputs);
 // Ends the run and frees the set. Accepts a run that was never begun.
 void file_inputs_end(struct file_inputs *inputs);
 
-// Adds a file that will be read, so that outputs can be checked before it is. Does nothing if there
-// is no regular file at the path.
+// Adds a file that will be read, so that outputs can be checked before it is read. Does nothing if
+// there is no regular file at the path.
 bool file_inputs_add(const char *path, struct err *err);
 
 // Records a file that the run itself continues and replaces. Only this path may be used to replace

@@ -15,8 +15,8 @@ static bool fail(struct err *err, const char *output, const char *action)
     return err_set(err, ERR_OUTPUT, "%s: cannot %s: %s", output, action, strerror(errno));
 }
 
-// The output's name is hashed, because a longer name may be too long for the file system. Links are
-// followed first, so that two names of one file have the same lock.
+// The output's name is hashed, because a name that contains it could be too long for the file
+// system. Links are followed first, so that two names of one file have the same lock.
 static char *lock_path(const char *output, struct err *err)
 {
     char *path = file_target(output);

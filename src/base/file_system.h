@@ -55,8 +55,8 @@ bool file_touch(const char *path); // sets the time of modification to now
 // Replaces `to` atomically: whoever opens `to` finds either the old content or the new one.
 bool file_rename(const char *from, const char *to);
 
-// As fopen(). file_stream_temporary() opens a file for reading and writing that only this process
-// can see and that is removed when it is closed.
+// Opens a file as fopen() does. file_stream_temporary() opens a file for reading and writing. Only
+// this process can see that file, and it is removed when it is closed.
 FILE *file_stream(const char *path, const char *mode);
 FILE *file_stream_temporary(void);
 // Returns the size of the stream's file, and moves the stream to the file's beginning.

@@ -59,8 +59,8 @@ static char *folder_of(const char *path)
 
 enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64, BLOCK_BYTES = 1 << 16 };
 
-// Chooses a name that is short, so that it fits even if the output's name is as long as the file
-// system permits, and unique, so that processes and writers do not collide.
+// Allocates temporary_path. Temporary names are short, so that they fit even if the output's name
+// is as long as the file system permits, and unique, so that processes and writers do not collide.
 static bool temporary_path_allocate(struct file_writer *writer, struct err *err)
 {
     size_t size = (size_t)folder_length(writer->path) + NAME_BYTES;
@@ -238,8 +238,8 @@ static void sync_folder(const char *path)
     free(folder);
 }
 
-// Names a file that was created without a name: replacing a file atomically means renaming another
-// file over it, so the new file needs a temporary name for a moment.
+// Names a file that was created without a name. It needs a temporary name for a moment, because
+// replacing a file atomically means renaming another file over it.
 static bool temporary_name(struct file_writer *writer, struct err *err)
 {
     if (writer->temporary_path)

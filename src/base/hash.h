@@ -8,9 +8,9 @@
 #define HASH_INIT UINT64_C(0xcbf29ce484222325)
 uint64_t hash_bytes(uint64_t hash, const void *data, size_t size);
 
-// A hash of 128 bits that identifies contents, computed at some GB/s (MurmurHash3_x64_128, Appleby
-// 2011, with seed 0). Equal bytes have equal hashes on machines of the same byte order. It gives no
-// protection against forgery.
+// A hash of 128 bits that identifies contents, computed at several GB/s (MurmurHash3_x64_128,
+// Appleby 2011, with seed 0). Equal bytes have equal hashes on machines of the same byte order. It
+// gives no protection against forgery.
 struct hash128 {
     uint64_t word[2];
 };

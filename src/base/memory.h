@@ -26,8 +26,8 @@ uint64_t memory_limits_left(void);
 // other programs.
 uint64_t memory_default_budget(void);
 
-// Sets the budget, in bytes, for the sum of all memory counted below. 0, the initial state, is no
-// limit.
+// Sets the budget, in bytes, for the sum of all memory counted below. 0, the initial state, means
+// that there is no limit.
 void memory_set_budget(uint64_t bytes);
 uint64_t memory_budget(void);
 uint64_t memory_used(void); // bytes of the budget in use
@@ -42,18 +42,18 @@ void memory_fail(uint64_t bytes);
 // Checks, without taking them, whether this many bytes could be taken now. ERR_BUDGET if not.
 bool memory_check(uint64_t bytes, const char *what, struct err *err);
 
-// calloc(1, bytes) and free, counted against the budget, with the signatures that libraries
-// require.
+// These functions do what calloc(1, bytes) and free() do, and count the memory against the budget.
+// Libraries require these signatures.
 void *memory_alloc(size_t bytes);
 void memory_free(void *data); // accepts NULL
 
-// Returns how many calls of memory_take and memory_alloc have failed so far. If the number grows
-// during a call of a library, memory was short, even if the library hid that or blamed its input.
+// Returns how many requests for memory have failed so far. If the number grows during a call of a
+// library, memory was short, even if the library hid that or blamed its input.
 uint64_t memory_failures(void);
 
-// Describes the last failure since the previous call, for the message of err_memory: returns the
-// bytes that the budget refused, or 0 if the system refused them, and in *left what was left of the
-// budget.
+// Describes the last failure since the previous call, for the message of err_memory(). Returns the
+// bytes that the budget refused, or 0 if the system refused them. *left receives the rest of the
+// budget at that time.
 uint64_t memory_refused(uint64_t *left);
 
 // Return the resident memory of the process now, and its maximum so far, whether counted in the

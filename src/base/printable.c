@@ -3,10 +3,10 @@
 #include <stdint.h>
 #include <string.h>
 
-// The property Default_Ignorable_Code_Point of the Unicode Character Database
-// (DerivedCoreProperties.txt, version 15.0), which includes Bidi_Control (PropList.txt); and
-// characters of these general categories: Cc (C0, DEL and C1), Zl and Zp (U+2028, U+2029), and the
-// annotation marks of Cf (U+FFF9 to U+FFFB).
+// The characters that are masked. They have the property Default_Ignorable_Code_Point of the
+// Unicode Character Database (DerivedCoreProperties.txt, version 15.0), which includes Bidi_Control
+// (PropList.txt), or one of these general categories: Cc (C0, DEL and C1), Zl and Zp (U+2028,
+// U+2029), or Cf for annotation marks (U+FFF9 to U+FFFB).
 static const struct {
     uint32_t first, last;
 } masked[] = {

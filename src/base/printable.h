@@ -12,7 +12,7 @@
 // one line whose characters are displayed in their order.
 void printable_mask(char *text);
 
-// Returns the number of bytes of the character that begins here, at least 1. *stays is whether
+// Returns the number of bytes of the character that begins here, at least 1. *stays tells whether
 // printable_mask() keeps it.
 size_t printable_character(const char *text, bool *stays);
 

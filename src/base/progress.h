@@ -1,4 +1,5 @@
-// Progress reports of long-running work. The library calls these; cli/progress_bar.c draws the bar.
+// Progress reports of long-running work. Its functions report to struct progress;
+// cli/progress_bar.c draws the bar.
 #ifndef LAMPYRIS_BASE_PROGRESS_H
 #define LAMPYRIS_BASE_PROGRESS_H
 
@@ -7,9 +8,9 @@
 #include <stdint.h>
 
 struct progress {
-    // phase: "Loading", "Building BVH", "Compiling" or "Rendering". fraction: the part of the phase
-    // that is done, in [0, 1]; it should be proportional to time, because the remaining time is
-    // extrapolated from it; 0 while it is not known. Called only by the thread that called the
+    // Reports a phase, such as "Loading" or "Rendering", and the part of it that is done, in [0,
+    // 1]. The part is 0 while it is not known. It should be proportional to time, because the
+    // remaining time is extrapolated from it. Called only by the thread that called the
     // long-running function. NULL: no listener.
     void (*report)(void *context, const char *phase, double fraction);
     // Polled regularly, by any thread. Returning true stops the work early; it must keep returning
@@ -48,8 +49,8 @@ static inline void progress_pause(const struct progress *progress)
         progress->pause(progress->context);
 }
 
-// For loops whose count comes from a file: returns whether to stop at iteration `i`. Polls only
-// every 65536th iteration, so the cost is negligible.
+// Returns whether a loop is to stop at iteration `i`; for loops whose count comes from a file.
+// Polls only every 65536th iteration, so the cost is negligible.
 static inline bool progress_stops_at(const struct progress *progress, uint64_t i)
 {
     return i % 65536 == 0 && progress_should_stop(progress);

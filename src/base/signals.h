@@ -6,9 +6,9 @@
 
 #include <stdbool.h>
 
-// Installs handlers for these signals, except for those that the parent process ignores, as nohup
-// does. Ignores SIGPIPE and SIGXFSZ, so that a closed pipe, or a file beyond the size limit, is a
-// write error and does not lose the images. Call it once, before threads start.
+// Installs handlers for these signals, except for those that the program was started to ignore, as
+// by nohup. Ignores SIGPIPE and SIGXFSZ, so that a closed pipe, or a file beyond the size limit, is
+// a write error and does not lose the images. Call it once, before threads start.
 void signals_install(void);
 
 // Returns the signal that requested the stop, or 0.

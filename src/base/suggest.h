@@ -6,11 +6,11 @@
 
 // Returns the least number of insertions, deletions, replacements and swaps of neighbours that turn
 // one word into the other, with no place edited twice (optimal string alignment; Damerau 1964).
-// Words longer than 63 bytes are infinitely far: SIZE_MAX.
+// Returns SIZE_MAX if a word is longer than 63 bytes.
 size_t suggest_distance(const char *a, const char *b);
 
 // Tracks the most similar name. Start with {.wanted = …}. `nearest` is NULL until a name is similar
-// enough: at most one edit for every three letters, and at least one.
+// enough: it may differ from `wanted` by one edit for every three letters, and in any case by one.
 struct suggestion {
     const char *wanted;
     const char *nearest;

@@ -1,4 +1,4 @@
-// Terminals among the streams.
+// Functions for streams that may be terminals.
 #ifndef LAMPYRIS_BASE_TERMINAL_H
 #define LAMPYRIS_BASE_TERMINAL_H
 

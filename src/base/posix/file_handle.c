@@ -22,7 +22,7 @@ int file_handle_create(const char *path, unsigned permissions)
 
 #ifdef O_TMPFILE
 
-// Returns the path in /proc through which a file without a name can be linked to a name.
+// Returns the path in /proc through which a file without a name can get one.
 static void link_of(int handle, char path[64])
 {
     snprintf(path, 64, "/proc/self/fd/%d", handle);
@@ -143,7 +143,7 @@ bool file_handle_sync(int handle)
     return fsync(handle) == 0;
 }
 
-// Returns whether the path still leads to the open file: a former holder of the lock may have
+// Returns whether the path still leads to the open file. A former holder of the lock may have
 // removed the file after it was opened here and before it was locked.
 static bool is_current(int handle, const char *path)
 {

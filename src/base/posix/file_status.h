@@ -1,4 +1,4 @@
-// A function shared by the files for named files and for open ones.
+// A function that file_system.c and file_handle.c share.
 #ifndef LAMPYRIS_BASE_POSIX_FILE_STATUS_H
 #define LAMPYRIS_BASE_POSIX_FILE_STATUS_H
 

@@ -28,7 +28,7 @@ static uint64_t difference(uint64_t a, uint64_t b)
 }
 
 // Reads the number after `key` and blanks, from the first line that begins with them; an empty key
-// takes the first line. Returns false if there is none, or a word such as "max".
+// selects the first line. Returns false if there is no number, but for example the word "max".
 static bool read_value(const char *path, const char *key, uint64_t *out)
 {
     FILE *file = fopen(path, "re");
@@ -49,7 +49,7 @@ static bool read_value(const char *path, const char *key, uint64_t *out)
     return found;
 }
 
-// The names of the same files in the two versions of control groups.
+// The names of files in one version of control groups.
 struct group_names {
     const char *mount;
     const char *limits[2];
@@ -83,8 +83,8 @@ static uint64_t group_left(const struct group_names *names, const char *root, co
     return difference(limit, difference(used, reclaimable));
 }
 
-// Returns the least memory left in a group and all groups above it, up to the highest visible one;
-// in a container that is the container's own group, whatever the path says.
+// Returns the least memory left in a group and all groups above it, up to the highest visible one.
+// In a container that is the container's own group, whatever the path says.
 static uint64_t groups_left(const struct group_names *names, const char *root, char *group)
 {
     uint64_t left = UINT64_MAX;

@@ -42,8 +42,8 @@ static void install(int signal)
     struct sigaction old;
     if (sigaction(signal, NULL, &old) == 0 && old.sa_handler == SIG_IGN)
         return;
-    // SA_RESTART: reads and writes of files are not interrupted; the program polls the flag between
-    // steps.
+    // With SA_RESTART, reads and writes of files are not interrupted. The program polls the flag
+    // between steps.
     struct sigaction action = {.sa_handler = handle, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
     sigaction(signal, &action, NULL);

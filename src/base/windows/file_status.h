@@ -1,4 +1,4 @@
-// Functions shared by the files for named files and for open ones.
+// Functions that file_system.c and file_handle.c share.
 #ifndef LAMPYRIS_BASE_WINDOWS_FILE_STATUS_H
 #define LAMPYRIS_BASE_WINDOWS_FILE_STATUS_H
 

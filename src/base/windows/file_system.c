@@ -125,7 +125,7 @@ char *file_real_path(const char *path)
     return out;
 }
 
-// Returns NULL: the target of a link is not read on Windows, where file_real_path() follows links.
+// Returns NULL, because Windows needs no targets of links: file_real_path() follows links.
 char *file_read_link(const char *path)
 {
     (void)path;

@@ -35,7 +35,7 @@ void process_begin(int *argc, char ***argv)
     for (int i = 0; arguments && i < count; i++) {
         arguments[i] = wide_to(wide[i]);
         if (!arguments[i])
-            return; // keep the arguments of main()
+            return; // keeps the arguments of main()
     }
     if (arguments) {
         *argc = count;

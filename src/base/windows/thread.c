@@ -6,7 +6,7 @@
 #include <windows.h>
 
 _Static_assert(sizeof(struct mutex) == sizeof(SRWLOCK), "a mutex is an SRWLOCK");
-_Static_assert(sizeof(struct condition) == sizeof(CONDITION_VARIABLE), "a condition is one");
+_Static_assert(sizeof(struct condition) == sizeof(CONDITION_VARIABLE), "a condition is a variable");
 
 static SRWLOCK *lock_of(struct mutex *mutex)
 {

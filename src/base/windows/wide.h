@@ -6,11 +6,11 @@
 #include <stdbool.h>
 #include <wchar.h>
 
-// Convert a text, allocating the result with malloc. NULL, with errno set, when out of memory or if
-// the text is not valid.
+// Convert a text and allocate the result with malloc(). Return NULL, with errno set, when out of
+// memory or if the text is not valid.
 wchar_t *wide_from(const char *text);
 char *wide_to(const wchar_t *text);
-// Converts a path: "\\" becomes "/", and the prefix "\\?\" of long paths is omitted.
+// Converts a path: "\" becomes "/", and the prefix "\\?\" of long paths is omitted.
 char *wide_to_path(const wchar_t *path);
 
 // Sets errno according to GetLastError(); returns false.
