@@ -21,9 +21,9 @@ struct driver_run {
     uint32_t routine;    // CHECK_*
     uint32_t constant;   // value of the specialization constant CONSTANT_CHECK_COUNT
     uint32_t items;      // a multiple of DRIVER_WORKGROUP
-    uint32_t dispatches; // number of dispatches with barriers in between; 0: 1
+    uint32_t dispatches; // number of dispatches with barriers in between; 0 means 1
     bool texels;         // the input is also bound as a texel buffer
-    // result: time from before the first dispatch to after the last one, by timestamps.
+    // result: time between timestamps before the first dispatch and after the last one
     double device_ns;
     double host_ns; // result: time from the start of recording until the host saw the end
 };

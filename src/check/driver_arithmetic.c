@@ -283,7 +283,7 @@ static struct spread judge(const struct check *check, const struct arithmetic *a
     return s;
 }
 
-// Reports how many items have the expected result, followed by the text `besides`.
+// Reports whether all items have the expected result, or how many do not, and appends `besides`.
 static bool tell_wrong(struct check_result *result, uint32_t wrong, const char *besides)
 {
     if (wrong == 0)

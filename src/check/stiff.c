@@ -13,7 +13,7 @@
 struct stiff {
     const char *scene;
     struct scene_override overrides[6]; // ends with the first one that has no key
-    bool (*prepare)(struct scene *scene, struct err *err); // NULL: nothing
+    bool (*prepare)(struct scene *scene, struct err *err); // changes the scene; may be NULL
     uint64_t samples;
     uint32_t wave;
     bool (*judge)(const struct renderer *r, const struct film_image *film,

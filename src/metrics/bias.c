@@ -159,7 +159,7 @@ static float pixel_spread(const struct bias_params *p, size_t by, size_t pixel)
             widen(range, (double)p->pictures[k][i]);
         for (int h = 0; h < 2 && by == SPREAD_REFERENCE; h++)
             widen(range, (double)reference_half(p, h)[i]);
-        if (p->count < 4) // each side has a single image
+        if (p->count < 4) // a side would have a single image
             widen(range, (double)p->reference[i]);
         spread = fmax(spread, sqrt(relative_weight(p, i)) * (range[1] - range[0]));
     }

@@ -10,7 +10,7 @@
 #include "metrics/pixel.h"
 #include <math.h>
 
-// The classes, and their covariances as the last term.
+// The terms are the classes and, as the last one, their covariances.
 enum { TERMS_MAX = ERROR_BY_CLASSES_MAX + 1 };
 
 // The terms e_k of one pixel, or their sums over pixels.

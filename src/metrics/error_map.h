@@ -31,7 +31,7 @@ struct error_scale error_map_scale(enum error_map map);
 // Returns the position, in [0, 1], of an error on the map's scale; NaN for NaN.
 double error_map_level(enum error_map map, double value);
 
-// The palette: colours, as display values, for levels from 0 to 1 in equal steps: black, violet,
+// The palette has colours, as display values, for levels from 0 to 1 in equal steps: black, violet,
 // red, orange, pale yellow. Lightness increases evenly, so that the order is visible in greyscale
 // as well.
 enum { ERROR_MAP_COLORS = 257 };

@@ -340,7 +340,7 @@ static bool find_luminances(const struct picture_pair *pair, const struct progre
     uint64_t count = (uint64_t)pair->width * pair->height, rank = (count - 1) / 2;
     uint32_t known = 0;
     *out = (struct luminances){0};
-    for (uint32_t left = 33; left > 0;) { // one more bit than there are, which is 0 in all values
+    for (uint32_t left = 33; left > 0;) { // one bit more than a value has; the additional bit is 0
         uint64_t with[1 << BITS_A_PASS] = {0};
         uint32_t prefix = known, digit = 0;
         left -= BITS_A_PASS;

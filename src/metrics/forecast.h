@@ -36,7 +36,8 @@ struct forecast_params {
     // The samples are independent of each other, so that the error is inversely proportional to
     // their number, whatever the estimates say. If false, the error decreases at least that fast.
     bool independent;
-    // The part of the error that remains, added to the forecast; {0, 0, 0}: none.
+    // The part of the error that does not decrease. It is added to the forecast; {0, 0, 0} if there
+    // is none.
     struct interval stays;
 };
 

@@ -71,9 +71,9 @@ static const double usual_confidence = 0.95;
 // if its deviation is more than twice theirs.
 static const double outlier = 4;
 
-// Limits beyond which few pixels have nearly all of the error, so that only the bound is reported:
-// for the ratio of the interval's ends (a factor of ten in either direction), and for the part of
-// that ratio that is due to the uncertainty of the pixels' own values.
+// Beyond these limits few pixels have nearly all of the error, so only the bound is reported.
+// factor_max limits the ratio of the interval's ends (a factor of ten in either direction),
+// open_max the part of that ratio that is due to the uncertainty of the pixels' own values.
 static const double factor_max = 100, open_max = 10;
 
 // The number of paths that may have been expected though none was found: with this number, the
@@ -235,7 +235,7 @@ static void add_light(struct tile *tile, const struct half_error_params *params,
     const uint8_t *emitter_in_view = params->unseen.emitter_in_view;
     double samples = half_error_samples(params, pixel);
     for (int c = 0; c < 3; c++) {
-        // If one half alone has the light, it was divided by that half's number of samples.
+        // A sample in one half was divided by the number of samples in that half.
         double of_sample = fabs((double)a[c] - b[c]) * samples / 2;
         tile->squared += find_noise(a[c], b[c]) / 3;
         tile->unseen += error_of_unseen(around->mean[c], around->own) / fmax(samples, 1);

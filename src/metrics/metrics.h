@@ -96,11 +96,11 @@ struct half_error {
 // chance. Until a sample hits them, the half-buffers do not show them.
 struct small_light {
     uint32_t x, y; // pixel that contains the centre
-    // Distance in pixels from the centre at which samples may hit it, due to its size, the pixel
-    // filter and the lens.
+    // Greatest distance, in pixels, from the centre at which a sample may hit the emitter, due to
+    // the emitter's size, the pixel filter and the lens.
     float radius;
-    // Fraction of a pixel that it covers, or the expected number of hits per sample if all of its
-    // light were in this pixel.
+    // Fraction of a pixel that the emitter covers; equal to the expected number of hits per sample
+    // if all of its light were in this pixel.
     float part;
     float radiance[3]; // radiance of a sample that hits it
 };
@@ -151,8 +151,8 @@ bool metrics_half_error_weights(const struct half_error_params *params, double (
 // the confidence LOOKS_CONFIDENCE, is below the limit. Each of several tests may err, but they
 // share samples and take place near the end: over the scenes of docs/convergence.md ("When a bound
 // on the error ends a render") all tests of a render together err in fewer than 5 % of renders. The
-// tests' places depend only on the estimated errors, so that a render stops at the same sample on
-// any machine.
+// sample counts of the tests depend only on the estimated errors, so that a render stops at the
+// same sample on any machine.
 #define LOOKS_FIRST 2u
 #define LOOKS_CONFIDENCE 0.95
 // Returns the number of samples at the first test of a render that has `done` samples already. It

@@ -42,9 +42,10 @@ struct flip_exposures {
     uint32_t count;     // at least 2
 };
 
-// The upper limit of `stop`: if the median is very dark, the range of exposures would otherwise
-// have no end. metrics_flip_exposures() returns false only when stopped.
+// The greatest value of stop - start. If the median is very dark, the range of exposures would
+// otherwise have no end.
 #define FLIP_STOPS_MAX 20
+// Finds the exposures for the reference of a pair. Returns false only when stopped.
 bool metrics_flip_exposures(const struct picture_pair *pair, const struct progress *progress,
                             struct flip_exposures *out);
 // Returns as many exposures as the range from start to stop needs; stop >= start.
@@ -57,7 +58,8 @@ bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
                       const struct flip_exposures *exposures, const struct progress *progress,
                       float *map, double *out);
 
-// These return the most memory, in bytes, that a metric needs besides its inputs and `map`.
+// These functions return the most memory, in bytes, that a metric needs besides its inputs and
+// `map`.
 uint64_t metrics_ssim_bytes(uint32_t width, uint32_t height);
 uint64_t metrics_flip_bytes(uint32_t width, uint32_t height);
 uint64_t metrics_flip_hdr_bytes(uint32_t width, uint32_t height);

@@ -221,8 +221,8 @@ static double find_mean_quantile(double quantile, double terms)
     return pow(1 - part + stats_t_quantile(quantile, 1e9) * sqrt(part), 3);
 }
 
-// Returns the quantile of the ratio of two such means with equal numbers of terms (Cacoullos 1965,
-// "A relation between t and F-distributions").
+// Returns the quantile of the ratio of two means, each of `terms` squared normal variables
+// (Cacoullos 1965, "A relation between t and F-distributions").
 static double find_ratio_quantile(double quantile, double terms)
 {
     double t = stats_t_quantile(quantile, terms) / sqrt(terms), root = t + hypot(t, 1);

@@ -18,6 +18,6 @@ bool stoppable_for(size_t count, size_t grain, const struct progress *progress, 
 {
     struct stoppable s = {progress, fn, context};
     parallel_for(count, grain, 0, run_chunk, &s);
-    // A stop request persists, so this call notices it even if it made chunks be skipped.
+    // A stop request persists, so this call notices it even if chunks were skipped because of it.
     return !progress_should_stop(progress);
 }

@@ -53,9 +53,10 @@ struct mirrored {
     const struct light **lights; // delta lights
     uint32_t count;
     struct sightline *scattered,
-        *onwards;     // lines of a round from places, and lines from mirrors to lights
-    uint32_t *places; // the places at which the lines of each kind started
-    double *sent;     // light that each line onwards carries
+        *onwards;     // lines of one round from places, and lines from mirrors to lights
+    uint32_t *places; // the place from which each line of the current list, directly or through a
+                      // mirror, started
+    double *sent;     // light that each line of `onwards` carries
     double light;     // sum over all lines that arrive
     uint32_t arrived;
     struct sighting mirror; // the first mirror that a line hit
