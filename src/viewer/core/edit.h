@@ -85,7 +85,7 @@ bool edit_revert(struct viewer *viewer);
 void edit_settle(struct viewer *viewer); // called when all requested changes have been applied
 uint32_t edit_undo_count(const struct viewer *viewer);
 uint32_t edit_redo_count(const struct viewer *viewer);
-// Id of the control whose change would be undone, or NULL.
+// Returns the id of the control whose change would be undone next, or NULL.
 const char *edit_undo_name(const struct viewer *viewer);
 
 #endif

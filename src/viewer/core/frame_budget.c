@@ -3,7 +3,7 @@
 // The weight of the newest measurement in the running means. With this value a change takes effect
 // within a few frames, but a single slow frame does not change the size of the image.
 #define NEWEST 0.25
-// The image is only made larger if it then fits into this fraction of the time. The remaining time
+// The image is only made larger if it then fits into this fraction of a frame. The remaining time
 // exceeds the variation between frames.
 #define MARGIN 0.8
 // Without input, rendering may take this many times as long as all other work of the frame, up to a

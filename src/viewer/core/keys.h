@@ -33,8 +33,8 @@ struct keys {
     double clicked_seconds;        // time of the last click, to detect double clicks
     double clicked_x, clicked_y;
     bool shows_help;
-    // A click waits to be evaluated until the image is available; wants_focus: it was a double
-    // click.
+    // wants_pick is set until a click has been evaluated, which requires an image; wants_focus is
+    // set for a double click.
     bool wants_pick, wants_focus;
     double pick_x, pick_y;
 };

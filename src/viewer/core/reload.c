@@ -24,7 +24,7 @@ struct source {
     struct shader_code *code;
 };
 
-// The kernels that renderers may be using. They hold references to their code.
+// Kernels that renderers may be using. The set holds references to their code.
 struct set {
     struct kernel_set kernels;
     struct shader_code *codes[KERNEL_COUNT];

@@ -18,8 +18,8 @@ bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoi
 // Saves the scene as JSON. While another pose of an animation is being loaded, the scene is written
 // when that pose is displayed (save_waiting_scene).
 bool save_scene(struct viewer *viewer, const char *path);
-// Writes a scene that waits for its pose if that is loaded; with at_once, writes it in the
-// displayed pose.
+// Writes the scene that waits for its pose, if the pose is loaded. With at_once, does not wait and
+// writes it in the displayed pose.
 void save_waiting_scene(struct viewer *viewer, bool at_once);
 
 #endif

@@ -12,7 +12,7 @@
 #define SHADER_UNITS_MAX 32u
 
 struct shader_code {
-    uint32_t users; // reference count, for the caller, who frees the code
+    uint32_t users; // reference count, managed by the caller, who frees the code
     size_t bytes;
     uint32_t words[];
 };
@@ -20,8 +20,8 @@ struct shader_code {
 // The state of a kernel after its last compilation.
 struct shader_unit {
     const char *name; // name of its source file without ".comp"
-    // Paths of the files that were read: each ends with NUL, and the list with an empty path; NULL:
-    // not known.
+    // Paths of the files that were read. Each path ends with a NUL byte, and the list with an empty
+    // path. NULL if they are not known.
     char *files;
     uint64_t hash; // hash of these files' contents
 };

@@ -27,7 +27,7 @@ void worker_destroy(struct worker *worker, void *viewer); // accepts NULL
 bool worker_add(struct worker *worker, const struct worker_task *task);
 // Calls `done` for the finished tasks.
 void worker_poll(struct worker *worker, void *viewer);
-// Number of tasks with this name that wait or run.
+// Returns the number of tasks with this name that wait or run.
 uint32_t worker_count(const struct worker *worker, const char *name);
 bool worker_is_idle(const struct worker *worker);
 

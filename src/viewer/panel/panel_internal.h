@@ -49,9 +49,9 @@ struct panel {
 };
 
 extern const struct gui_range panel_unit, panel_radiance, panel_turn;
-// Each draws one control, and returns true when its value has changed. Dragging changes positions
-// in proportion to the size of the scene. Directions are normalised; a zero vector is rejected, as
-// is a direction along `up` (unless `up` is NULL).
+// Each of these functions draws one control, and returns true when its value has changed. Dragging
+// changes positions in proportion to the size of the scene. Directions are normalised; a zero
+// vector is rejected, as is a direction along `up` (unless `up` is NULL).
 bool panel_position(struct panel *panel, const struct document *document, const char *id,
                     const char *help, double position[3]);
 bool panel_direction(struct panel *panel, const char *id, const char *help, const double *up,
@@ -81,7 +81,7 @@ void panel_overlay(struct panel *panel, const struct document *document, const s
                    const struct viewpoint *view, const struct shell *shell); // draws over the image
 void panel_statistics(struct panel *panel, const struct document *document,
                       const struct stage *stage);
-// Draws inside of the statistics.
+// Draws the sources of the error among the statistics.
 void panel_error_by(struct panel *panel, const struct stage *stage);
 void panel_renderer(struct panel *panel, const struct document *document, struct stage *stage);
 void panel_view(struct panel *panel, struct stage *stage, struct viewpoint *view);

@@ -108,7 +108,7 @@ static void anisotropy(struct panel *panel, const struct document *document)
     edit_begin_group(panel->viewer);
     for (uint32_t i = 0; i < scene->material_count; i++) {
         struct material to = scene->materials[i];
-        // Whether the material was in the file: its value is then restored. The values of added
+        // True if the material was in the file. Its value is then restored; the values of added
         // materials become zero.
         bool was = is_on && i < before->material_count;
         to.anisotropic = was ? before->materials[i].anisotropic : 0.0f;

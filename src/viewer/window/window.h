@@ -73,8 +73,8 @@ struct window_params {
 bool window_open(const struct window_params *params, struct window *out, struct err *err);
 void window_close(struct window *window); // accepts NULL and {0}; call it after swapchain_finish
 
-// These return the instance extensions that surfaces need, and whether a queue family can present,
-// for gpu_params. Without an open window they return no extensions, and false.
+// These functions return the instance extensions that surfaces need, and whether a queue family can
+// present, for gpu_params. Without an open window they return no extensions, and false.
 const char *const *window_extensions(uint32_t *count);
 bool window_can_present(void *window, VkInstance instance, VkPhysicalDevice device,
                         uint32_t queue_family);
