@@ -12,9 +12,9 @@ struct options;
 // text is invalid, or if the variables do not determine I and N.
 bool shard_parse(const char *text, struct job_shard *out, struct err *err);
 
-// If --shard was given, sets options->render.shard and the name of the part. The name is FILE of
-// --checkpoint, or without it one made from the scene's name. In FILE and in the names of outputs,
-// %i and %n are replaced by I and N (or FIRST and END).
+// If --shard was given, sets options->render.shard and the name of the part. The name is the FILE
+// of --checkpoint. Without --checkpoint, it is made from the scene's name. In FILE and in the names
+// of outputs, %i and %n are replaced by I and N (or FIRST and END).
 bool shard_settle(struct options *options, struct err *err);
 
 #endif

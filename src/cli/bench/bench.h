@@ -34,7 +34,8 @@ struct bench_row {
 
     // The following numbers are computed from the times.
     struct interval median; // median of ms
-    // Ms of the first variant divided by ms of this one, paired by repetition: above 1 is faster.
+    // Time of the first variant divided by the time of this one, paired by repetition. If it is
+    // above 1, this variant is faster.
     struct interval ratio;
     double share; // fraction of the wall-clock time; NAN for BENCH_ALONE
 };
@@ -114,8 +115,8 @@ const struct bench_row *bench_find(const struct bench_variant *variant, const ch
 double bench_bvh_bytes(const struct bench_variant *variant, const struct bench_row *row);
 // Returns the row of the whole repetition, or NULL with --kernel.
 const struct bench_row *bench_wall(const struct bench_variant *variant);
-// Returns the number of rays of a bounce divided by the number of paths: the fraction of the wave's
-// slots that are active.
+// Returns the number of rays of a bounce divided by the number of paths. This is the fraction of
+// the wave's slots that are active.
 double bench_occupancy(const struct bench_variant *variant, uint32_t bounce);
 const char *bench_label(const struct bench_variant *variant); // "as given" if nothing is varied
 const char *bench_verdict(struct interval ratio); // "faster", "slower" or "not told apart"
@@ -126,7 +127,7 @@ struct bench_change {
     const struct bench_variant *variant;
     const struct bench_row *row;
     double before_ms; // median of the earlier run
-    // Present ms divided by earlier ms; the intervals of all rows hold simultaneously.
+    // Present time divided by the earlier one; the intervals of all rows hold simultaneously.
     struct interval ratio;
     enum curve_verdict verdict; // CURVE_BETTER means faster
 };

@@ -4,8 +4,8 @@
 
 struct options;
 
-// Both return the exit code. It is EXIT_CODE_CHECK_FAILED if an error is found in the scene, or if
-// a case fails.
+// Both functions return the exit code. It is EXIT_CODE_CHECK_FAILED if an error is found in the
+// scene, or if a case fails.
 int check_scene_command(const struct options *options);
 int check_device_command(const struct options *options);
 
