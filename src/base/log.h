@@ -25,7 +25,7 @@ struct log_target {
 };
 
 // Redirects the messages of this thread, and of the threads that parallel_for() starts for it, to
-// *target, which must stay valid; NULL: to the process's sink. Returns the previous target.
+// *target, which must stay valid. NULL restores the process's sink. Returns the previous target.
 const struct log_target *log_redirect(const struct log_target *target);
 const struct log_target *log_redirected(void); // this thread's target, or NULL
 

@@ -1,4 +1,4 @@
-// Progress reports of long-running work. Its functions report to struct progress;
+// Progress reports of long-running work. Functions that take long call the functions below;
 // cli/progress_bar.c draws the bar.
 #ifndef LAMPYRIS_BASE_PROGRESS_H
 #define LAMPYRIS_BASE_PROGRESS_H

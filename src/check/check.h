@@ -63,7 +63,7 @@ struct check_group {
 bool check_run(const struct check *check, const struct check_case *this_case,
                struct check_result *result, struct err *err);
 
-// These set the outcome of a case and return true.
+// These functions set the outcome of a case and return true.
 bool check_seen(struct check_result *result, bool passed, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 bool check_not_run(struct check_result *result, const char *format, ...)

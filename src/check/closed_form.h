@@ -29,8 +29,8 @@ struct closed_form {
     enum closed_form_kind kind;
     unsigned alone;
     struct scene_override overrides[6]; // ends with the first one that has no key
-    double scale;                       // factor for all lengths, see scaled_scene.h; 0: 1
-    // Adds to the scene what a scene file cannot express, such as meshes; NULL: nothing.
+    double scale;                       // factor for all lengths, see scaled_scene.h; 0 means 1
+    // Adds to the scene what a scene file cannot express, such as meshes; may be NULL.
     bool (*prepare)(struct scene *scene, double parameter, struct err *err);
     enum instancing instancing; // instancing of the scene's meshes
 };

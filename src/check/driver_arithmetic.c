@@ -118,8 +118,8 @@ static double error_of_precise(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], product + in->f[2]);
 }
 
-// Returns the error if both roundings may choose either neighbour: that of the product, and that of
-// the sum, which is 2^-10 of the product.
+// Returns the error if the product, and the sum, which is 2^-10 of the product, may both be rounded
+// to either neighbour.
 static double either_precise(const driver_item *in, const driver_item *out)
 {
     double product = (double)in->f[0] * (double)in->f[1];

@@ -23,7 +23,7 @@
 // shadow rays first.
 #define ALONE_MOST 4u
 
-// How shadow rays are distributed over the sources of light.
+// The distribution of shadow rays over the sources of light.
 struct rays {
     // Fraction of all shadow rays that each source gets; for a light tree, which also uses
     // distances, the fraction of the power.

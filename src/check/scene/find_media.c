@@ -83,8 +83,8 @@ static void look_at_overlaps(struct media_search *search, const struct stack *st
             continue;
         bool is_upper = body->medium > other->medium, is_within = i < left;
         const struct entered *upper = is_upper ? body : other, *lower = is_upper ? other : body;
-        // If a medium contains the camera, its object is not known until it is left; then `body`
-        // has it.
+        // The object of a medium that contains the camera becomes known when the medium is left; it
+        // is then the object of `body`.
         uint32_t object = lower->object != SCENE_NONE ? lower->object : upper->object;
         struct overlap *overlap =
             overlaps_of(&search->overlaps, upper->material, lower->material, object);

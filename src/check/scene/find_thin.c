@@ -16,7 +16,7 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
     for (uint32_t k = 0; k < flat->dropped_degenerate; k++) {
         uint32_t i, t;
         flat_dropped_source(flat, k, &i, &t);
-        if (i == SCENE_NONE) // it is in a shared mesh, which never emits
+        if (i == SCENE_NONE) // the triangle is in a shared mesh, which never emits
             continue;
         const struct instance *instance = &scene->instances[i];
         bool emits =

@@ -10,7 +10,7 @@
 struct overlap {
     uint32_t upper, lower, object; // `object` has the material `lower`
     // The number of lines for each case:
-    uint32_t crossed;   // the line left one medium inside the other, and the other one later
+    uint32_t crossed;   // the line left one medium inside the other, and left the other later
     uint32_t swallowed; // the lower medium was inside the upper one
     uint32_t held;      // the upper medium was inside the lower one
 };
