@@ -77,7 +77,7 @@ static bool render_on(struct gpu *gpu, const struct scene *scene,
         return false;
     bool lowered = variant->limits.storage_range || variant->limits.allocation, ok = true;
     if (lowered && renderer.plan.film_chunks <= 1)
-        ok = err_set(err, ERR_BUG, "%s: the film has one buffer, expected several", variant->name);
+        ok = err_set(err, ERR_BUG, "%s: the film has one buffer; expected several", variant->name);
     ok = ok && render_split(&renderer, variant, err) && renderer_read(&renderer, arena, film, err);
     renderer_finish(&renderer);
     return ok;

@@ -51,7 +51,7 @@ static bool check_work(const struct bench *b, const struct bench_variant *v, con
         if ((uint64_t)was != same[i].now)
             return err_set(err, ERR_INPUT,
                            "%s: %s, \"%s\": %s was %" JSON_INTEGER_FORMAT ", and is %" PRIu64
-                           ", expected the same number",
+                           "; expected the same number",
                            b->options->bench.baseline, v->scene_data.path, bench_label(v),
                            same[i].key, was, same[i].now);
     }
@@ -126,7 +126,7 @@ static bool check_machine(const struct bench *b, struct err *err)
     const char *path = b->options->bench.baseline;
     if (strcmp(text_of(machine, "device"), info->name) != 0)
         return err_set(err, ERR_INPUT,
-                       "%s was measured on the device \"%s\", expected this device, \"%s\"", path,
+                       "%s was measured on the device \"%s\"; expected this device, \"%s\"", path,
                        text_of(machine, "device"), info->name);
     if (strcmp(text_of(machine, "driver"), info->driver) != 0)
         log_warn("%s: the driver was \"%s\" and is now \"%s\"", path, text_of(machine, "driver"),

@@ -94,7 +94,7 @@ static void print_changes(const struct scene_check *check)
         puts("No change was necessary.");
     print_line("wrote     ", check->options->check.fix);
     if (check->is_outside)
-        puts("note      it names files outside of its folder, so loading it needs "
+        puts("note      the scene names files outside of its folder, so loading it needs "
              "--allow-outside-paths");
 }
 

@@ -182,7 +182,7 @@ static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t s
         return true;
     return build_side(viewer, view, err) &&
            job_set_camera(&view->job, &viewer->view.camera, size[0], size[1], &fits, err) &&
-           (fits || err_set(err, ERR_BUG, "a new renderer does not take its own camera"));
+           (fits || err_set(err, ERR_BUG, "a new renderer rejects its own camera"));
 }
 
 static bool is_changing(const struct viewer *viewer, const struct view *view)

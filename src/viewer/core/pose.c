@@ -123,7 +123,7 @@ static bool fits(struct document *document, const struct scene *posed, struct er
             posed->mesh_count == document->scene.mesh_count &&
             posed->shape_count == base.shape_count) ||
            err_set(err, ERR_INPUT,
-                   "the file has other objects at that time: %u instances of %u meshes, expected "
+                   "the file has other objects at that time: %u instances of %u meshes; expected "
                    "%u instances of %u meshes",
                    posed->instance_count, posed->mesh_count, document->scene.instance_count,
                    document->scene.mesh_count);

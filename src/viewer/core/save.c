@@ -60,8 +60,8 @@ static char *free_name(struct arena *arena, const char *stem, const char *extens
         if (!file_exists(path))
             return path;
     }
-    err_set(err, ERR_OUTPUT, "%s-0001.%s to %s-%u.%s are all taken", stem, extension, stem,
-            NUMBERS_MAX, extension);
+    err_set(err, ERR_OUTPUT, "%s-0001.%s to %s-%u.%s all exist; delete or rename some", stem,
+            extension, stem, NUMBERS_MAX, extension);
     return NULL;
 }
 
@@ -337,9 +337,10 @@ static bool write_scene(struct viewer *viewer, const char *path)
     ok = ok && path && scene_write(&params, &err);
     if (ok)
         viewer_message(viewer, MESSAGE_NOTE, "wrote %s%s", path,
-                       is_outside ? "; it names files outside of its folder, so loading it needs "
-                                    "--allow-outside-paths"
-                                  : "");
+                       is_outside
+                           ? "; the scene names files outside of its folder, so loading it needs "
+                             "--allow-outside-paths"
+                           : "");
     else
         viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
     arena_finish(&arena);

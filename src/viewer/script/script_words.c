@@ -150,7 +150,7 @@ static bool parse_resize(struct words *words, struct command_line *out, struct e
     return take_count(words, "the width", 16384, &out->numbers[0], err) &&
            take_count(words, "the height", 16384, &out->numbers[1], err) &&
            ((out->numbers[0] >= 1 && out->numbers[1] >= 1) ||
-            err_set(err, ERR_INPUT, "a window has at least 1 pixel each way"));
+            err_set(err, ERR_INPUT, "the size of a window is at least 1 x 1 pixels"));
 }
 
 static bool parse_wait(struct words *words, struct command_line *out, struct err *err)
@@ -305,7 +305,7 @@ static bool split(char *line, struct words *out, struct err *err)
         if (*at == '\0' || *at == '#')
             return true;
         if (out->count == WORDS_MAX)
-            return err_set(err, ERR_INPUT, "more than %u words", WORDS_MAX);
+            return err_set(err, ERR_INPUT, "the line has more than %u words", WORDS_MAX);
         bool is_quoted = *at == '"';
         char *to = at, *from = at + is_quoted;
         out->list[out->count++] = at;

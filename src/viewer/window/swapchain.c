@@ -133,7 +133,7 @@ static bool images_create(struct gpu *gpu, struct swapchain *swapchain, struct e
                   swapchain->calls.images(gpu->device, swapchain->handle, &count, NULL), err))
         return false;
     if (count > SWAPCHAIN_IMAGES_MAX)
-        return err_set(err, ERR_GPU, "%s needs %u images for this window, expected at most %d",
+        return err_set(err, ERR_GPU, "%s needs %u images for this window; expected at most %d",
                        gpu->info.name, count, SWAPCHAIN_IMAGES_MAX);
     swapchain->image_count = count;
     VkFormat twin = swapchain_twin(swapchain->format);
@@ -180,7 +180,7 @@ static bool offer_check(const struct gpu *gpu, const struct offer *offer, VkForm
 {
     if (format == VK_FORMAT_UNDEFINED)
         return err_set(err, ERR_GPU,
-                       "%s offers %u formats for this window, expected one with 8 bits per channel",
+                       "%s offers %u formats for this window; expected one with 8 bits per channel",
                        gpu->info.name, offer->format_count);
     if (!(offer->capabilities.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT))
         return err_set(err, ERR_GPU, "%s cannot copy images into this window", gpu->info.name);
