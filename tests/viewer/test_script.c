@@ -80,7 +80,7 @@ TEST(faults_are_told_by_line_and_word)
         {"mouse 1 nan", "s.txt:1: ", "\"nan\" is not a number"},
         {"button front", "s.txt:1: ", "left, right or middle"},
         {"set a.b", "s.txt:1: ", "the value is missing"},
-        {"resize 0 5", "s.txt:1: ", "at least 1 pixel"},
+        {"resize 0 5", "s.txt:1: ", "at least 1 x 1 pixels"},
         {"resize 20000 5", "s.txt:1: ", "20000 is not a whole number from 0 to 16384"},
         {"wait 3", "s.txt:1: ", "frames, ms or samples"},
         {"wait 1.5 frames", "s.txt:1: ", "1.5 is not a whole number"},
