@@ -44,8 +44,8 @@ struct im_rect {
 
 struct im *im_create(float scale); // scale: pixels per point
 void im_destroy(struct im *im);    // accepts NULL
-// Adds a font. path NULL: the font that is embedded in ImGui. `ranges` must stay valid as long as
-// the context.
+// Adds a font. If `path` is NULL, it is the font that is embedded in ImGui. `ranges` must stay
+// valid as long as the context.
 bool im_font(const char *path, float pixels, const uint16_t *ranges);
 bool im_atlas(struct gpu_atlas *out); // to be called after im_font(); false when out of memory
 
