@@ -1,5 +1,5 @@
-// Warnings and notes for people. The process has one sink, set once by the program; a thread may
-// have another, for the user of a library who shares the process with others.
+// Warnings and notes for people. The process has one sink, which the program sets once. A thread
+// may have its own sink, because a process may contain several users of the library.
 #ifndef LAMPYRIS_BASE_LOG_H
 #define LAMPYRIS_BASE_LOG_H
 

@@ -19,8 +19,8 @@ struct light_errors {
     double unmet; // errors of emitters that no sample has hit
     // For all other emitters: their expected errors, and the squares of these.
     double expected, squares;
-    double told, open; // D^2 of emitters that samples have hit, and by how much half a hit more
-                       // would increase it
+    double told, open; // D^2 of emitters that samples have hit, and its increase by half a hit
+                       // more
 };
 
 struct small_lights {

@@ -80,7 +80,7 @@ enum twins {
     TWINS_IDLE,    // no effect, and one of them can be hidden
     TWINS_ALIKE,   // no effect, because they look the same
     TWINS_SHARE,   // no effect, because each is visible in the gaps of the other
-    TWINS_DOUBLED, // both count
+    TWINS_DOUBLED, // both contribute
     TWINS_CLASH,   // they look different, and one hides the other
     TWINS_COUNT
 };

@@ -159,8 +159,8 @@ int converge_print_json(const struct converge *c);
 // Writes results.csv, results.json, report.html and (with --images) the images into a folder, which
 // is created if necessary.
 bool converge_write(struct converge *c, const char *folder, struct err *err);
-// Checks, when the scenes have been loaded and before anything is measured, that none of these
-// files is an input.
+// Checks, when the scenes have been loaded and before anything is measured, that no file that
+// converge_write() writes is an input.
 bool converge_check_files(struct converge *c, const char *folder, struct err *err);
 
 // --- converge_html.c ---
