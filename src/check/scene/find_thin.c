@@ -60,8 +60,8 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
 // and refraction show it.
 #define TURN_MAX (M_PI / 180.0)
 
-// Returns the angle, in radians, by which the rounding of its corners (half a step each) may rotate
-// a triangle: one step divided by its height.
+// Returns the angle, in radians, by which a triangle may rotate because its corners are rounded by
+// half a step each. It is one step divided by the triangle's height.
 static double turn_of(const struct flat_scene *flat, uint32_t id)
 {
     double edges[2][3], third[3], normal[3], largest = 0.0;

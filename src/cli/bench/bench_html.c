@@ -119,7 +119,7 @@ static bool is_shown(const struct bench_variant *first, uint32_t index)
     return true;
 }
 
-// Shows the images of the last repetition, one for all variants that have the same.
+// Shows the images of the last repetition. Variants with the same image share one.
 static bool put_pictures(struct page *page, const struct bench_variant *first, uint32_t count,
                          struct err *err)
 {
