@@ -116,8 +116,8 @@ void add_classes(uint item, uint at, uint number, uvec3 range)
     }
 }
 
-// Keeps the brightest contribution. If several are equally bright, it is that of the lowest sample
-// and of its first branch.
+// Keeps the brightest contribution. If several are equally bright, it keeps the one of the lowest
+// sample, and of that sample's first branch.
 void keep_brightest_sample(uint item, uint at)
 {
     uint word = at + AOV_FILM_BRIGHTEST_AT(AOVS);
@@ -139,15 +139,15 @@ void keep_brightest_sample(uint item, uint at)
     film_words[word + 1u] = uvec4(its_sample, 0u, 0u, 0u);
 }
 
-// Adds the radiance of the samples in `range` to half-buffer `number` of a pixel, which has `count`
-// samples, and returns its digits. dropped: counts the samples from which a contribution was left
-// out.
+// Adds the radiance of the samples in `range` to half-buffer `number` of a pixel, and returns the
+// digits of the half-buffer. count: the number of samples already in the half-buffer. dropped: is
+// increased by the number of samples from which a contribution was left out.
 uint add_samples(uint item, uint at, uint number, uvec3 range, uint count, inout uint dropped)
 {
     half_sums sums = load_half(at, number);
     for (uint i = range.x; i < range.y; i += range.z) {
         vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
-#ifdef PLANTED_FILM_FACTOR // for tests of tests: is a film that gains light detected?
+#ifdef PLANTED_FILM_FACTOR // planted fault, which tests must detect: the film gains light
         radiance.rgb *= PLANTED_FILM_FACTOR;
 #endif
         // The sum over branches may overflow although each branch is finite.
@@ -176,7 +176,7 @@ void main()
     bool has_means = ACCUMULATION == ACCUMULATION_RUNNING;
     uvec2 counts = uvec2(has_means ? max(head.w, 1u) - 1u : 0u, 0u);
     counts.y = before - counts.x;
-    // A single sample does not access the memory of the other half-buffer.
+    // If there is a single sample, only its own half-buffer is accessed.
     uint first = samples > 1u ? 0u : half_of_sample(before);
     uint last = samples > 1u ? 1u : first;
     for (uint number = first; number <= last; number++) {

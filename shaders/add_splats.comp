@@ -1,6 +1,6 @@
 // One thread adds the contribution of a light path to a pixel in the bound range of the film. Reads
-// the queue of shadow rays, in two dispatches: with push.light_ray = 0 the digits are claimed, with
-// 1 the values are added.
+// the queue of shadow rays. The kernel is dispatched twice: with push.light_ray = 0 it claims the
+// digits, with 1 it adds the values.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -14,8 +14,8 @@ layout(std430, set = 0, binding = 0) readonly buffer Input { uvec4 inputs[]; };
 layout(std430, set = 0, binding = 1) writeonly buffer Output { uvec4 outputs[]; };
 layout(push_constant) uniform Push { uint items; };
 
-// The planted fault is one unit in the last place, so that its test shows what the check can
-// detect.
+// The planted fault is an error of one unit in the last place; a test shows that the check detects
+// it.
 #ifdef PLANTED_ULP
 const uint FAULT = 1u;
 #else

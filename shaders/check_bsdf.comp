@@ -1,12 +1,12 @@
 // Runs the renderer's BSDFs on input that the host has written to the paths' buffer. Each thread
-// has four words of four there, which it overwrites with its output:
+// has four words (uvec4) there, which it overwrites with its output:
 //   in:         wo, material index; wi, eta; u; unused
 //   sample out: wi, pdf; weight, BSDF_* flags; result of eval_bsdf() for that wi: f cos, pdf
 //   eval out:   f cos, pdf
-// or parts of them:
+// Two routines test parts of BSDFs:
 //   microfacet in:  w, material index; h, unused; alpha x, y
 //   microfacet out: D(h), density of h seen from w, G1(w), GTR1 of alpha x
-//   fresnel in:     cosine, eta; fresnel out: reflectance
+//   fresnel in:     cosine, eta; fresnel out: reflectance, cosine of refraction
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -52,7 +52,7 @@ void main()
     if (ROUTINE == BSDF_ROUTINE_EVAL) {
         float pdf;
         vec3 f = eval_bsdf(m, wo, w1.xyz, w1.w, pdf);
-#ifdef PLANTED_LOBE // tests of tests only: is a lobe that is not reciprocal found?
+#ifdef PLANTED_LOBE // planted fault, which tests must detect: the lobe is not reciprocal
         f *= 1.0 + 0.05 * wo.z;
         pdf *= 1.05;
 #endif

@@ -1,5 +1,5 @@
 // Runs the renderer's samplers or pixel filters on input that the host has written to the paths'
-// buffer. Each thread has one word of four there, which it overwrites with its output.
+// buffer. Each thread has one word (uvec4) there, which it overwrites with its output.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -18,7 +18,7 @@ void main()
     vec4 result = vec4(0.0);
     if (ROUTINE == SAMPLER_ROUTINE_UNIFORMS) // pixel, sample, dimension
         result = pixel_uniforms(given.x, given.y, given.z);
-#ifdef PLANTED_UNIFORMS // for tests of tests: are numbers that are not uniform detected?
+#ifdef PLANTED_UNIFORMS // planted fault, which tests must detect: the numbers are not uniform
     result *= 0.9;
 #endif
     if (ROUTINE == SAMPLER_ROUTINE_FILTER)

@@ -98,7 +98,7 @@ void main()
         outputs[item].x = go_round(words.x);
     if (ROUTINE == CHECK_ARRAY)
         outputs[item].x = sum_over_array(words.x);
-    // This dispatch writes to another component than the one that it reads.
+    // Each dispatch reads one component and writes another.
     if (ROUTINE == CHECK_DISPATCHES)
         outputs[item][turn & 1u] = 3u * outputs[(item + 1u) % items][~turn & 1u] + 1u;
     if (ROUTINE == CHECK_TEXELS)

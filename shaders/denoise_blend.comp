@@ -19,7 +19,7 @@ DENOISE_READ(modulation, DENOISE_MODULATION)
 DENOISE_READ(picture, DENOISE_PICTURE)
 DENOISE_READ(emission, DENOISE_EMISSION)
 DENOISE_READ(difference, DENOISE_TO)
-DENOISE_WRITE(compared, DENOISE_TO) // the same buffer as `compared`, in the preceding run
+DENOISE_WRITE(compared, DENOISE_TO) // read as `difference` by the next run
 DENOISE_WRITE(blended, DENOISE_BLENDED)
 DENOISE_WRITE(records, DENOISE_RECORDS)
 
@@ -48,8 +48,8 @@ float slope_along(ivec2 pixel, vec4 guide, ivec2 axis)
 
 // The half-buffers contain emission, but the filtered light does not. If a pixel's emission differs
 // from that of its neighbours, it may also differ between the halves, with a variance of up to a
-// quarter of the squared difference. If that could be more than this fraction of the variance, the
-// halves are not used.
+// quarter of the squared difference. If that variance could exceed this fraction of the estimated
+// variance, the half-buffers are not used.
 const float EMISSION_PART = 0.1;
 
 bool is_told_by_halves(ivec2 pixel, float variance)
@@ -68,17 +68,17 @@ bool is_told_by_halves(ivec2 pixel, float variance)
 
 struct past {
     vec3 light;
-    float samples; // samples of each accepted tap
+    float samples; // mean number of samples of the accepted taps
     float part;    // sum of the accepted taps' weights
-    float same;    // the same pixel's share of it, if the random numbers are the same
-    float squares; // sum of the squared weights
+    float same;    // this pixel's share of `part` if the random numbers repeat, else 0
+    float squares; // sum of the squares of the weights, which are scaled to the sum 1
     float deviation, freedom;
 };
 
 const past NO_PAST = past(vec3(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
 
-// Returns the weight of a pixel of the history, whose reprojected position is `at`: 0 unless the
-// surface there has the same normal and the depth expected from its own slope.
+// Returns the weight of pixel `tap` of the history for the reprojected position `at`. It is 0
+// unless the surface in that pixel has a similar normal and the depth that its own slope predicts.
 float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float tolerance)
 {
     uint index = tap.y * denoise.history.width + tap.x;
@@ -135,8 +135,8 @@ past read_past(vec2 at, ivec2 pixel, vec4 guide, float expected_depth, float tol
     return sum;
 }
 
-// Moves a point and a normal to where they were. Normals are transformed by the cofactors of the
-// map, which are its inverse transpose up to a factor.
+// Moves a point and a normal to their places in the previous frame. Normals are transformed by the
+// cofactor matrix, which is the inverse transpose up to a factor.
 void move_back(gpu_denoise_motion motion, inout vec3 point, inout vec3 normal)
 {
     vec3 at = vec3(motion.past_x_at, motion.past_y_at, motion.past_z_at);
@@ -163,7 +163,7 @@ past find_past(ivec2 pixel, vec4 guide, vec2 slope, uint motion)
     bool seen = project(denoise.history, point, far, at, expected_depth);
     bool inside = seen && all(greaterThan(at, vec2(-1.0))) &&
                   all(lessThan(at, vec2(denoise.history.width, denoise.history.height) + 1.0));
-    // The change of this pixel's depth, scaled to the depth in the history.
+    // The relative change of depth within this pixel, including rounding errors.
     float own = (abs(slope.x) + abs(slope.y)) / guide.w + ray_length_change(denoise.now, middle) +
                 ray_length_change(denoise.history, at) + 2.0 * DEPTH_ROUNDING;
     if (!inside)
@@ -174,25 +174,26 @@ past find_past(ivec2 pixel, vec4 guide, vec2 slope, uint motion)
 // The relative rounding error of light, equal to that of depths.
 const float LIGHT_ROUNDING = DEPTH_ROUNDING;
 
-// The ratio of two numbers of pixels. Two levels of the wavelet average as much as 65.6 pixels with
-// equal weights; but computed from sums of squared weights the number would be 178.9, because each
-// level assumes that its input pixels are independent.
+// The factor by which sums of squared weights overestimate the number of averaged pixels. Two
+// levels of the wavelet reduce the variance as the mean of 65.6 pixels does. The sums give 178.9,
+// because each level assumes that its input pixels are independent.
 const float PIXELS_TOLD = 178.9 / 65.6;
 // The minimum number of pixels from which the history's bias is estimated.
 const float PIXELS_LEAST = 4.0;
 
-// The minimum number of samples. Schied et al. 2017 ignore the moments of fewer frames (section
-// 4.2); here, too, fewer samples would not show whether a difference is noise.
+// The minimum number of samples of a history that is compared with the film. Schied et al. 2017
+// ignore the moments of fewer frames (section 4.2); here, too, fewer samples would not show whether
+// a difference is noise.
 const float SAMPLES_LEAST = 4.0;
 
-// Returns the fraction of the history that is still valid, because light and shadow may have moved.
-// The mean difference between film and history over the surrounding pixels is the bias of the
-// history, plus noise, whose variance follows from the squared differences. A pixel has no history
-// if hardly any of its neighbours have one: it is at an edge.
+// Returns the factor, 0 to 1, by which the weight of the history is reduced because light and
+// shadow may have moved. The mean difference between film and history over the surrounding pixels
+// is the bias of the history, plus noise, whose variance follows from the squared differences. The
+// result is 0 if hardly any of the surrounding pixels have a history, as at an edge.
 float history_trust(uint index)
 {
-    vec4 means = load_difference(index); // mean difference, mean square, and number of pixels with
-                                         // both
+    vec4 means = load_difference(index); // means of the difference, of its square, and of 1 where
+                                         // both are known; sum of the squared weights
     float count = means.z * means.z / (PIXELS_TOLD * means.w);
     if (!(count >= PIXELS_LEAST))
         return 0.0;
@@ -201,16 +202,17 @@ float history_trust(uint index)
     return best_part(variance, bias * bias - variance);
 }
 
-// Returns the variance of the difference of the two means, as a multiple of the variance of one
-// sample. If both use the same random numbers, the fewer samples are among the more, as far as the
-// history belongs to the same pixel; `overlap` is the part that the means have in common.
+// Returns the variance of the difference between the means of the history and of the film, as a
+// multiple of the variance of one sample. `overlap` is the covariance of the two means as such a
+// multiple. It is not 0 if both use the same random numbers for the same pixel, because the smaller
+// set of samples is then a subset of the larger one.
 float new_part(past before, float samples, float overlap)
 {
     return 1.0 / samples + before.squares / before.samples - 2.0 * overlap;
 }
 
-// The square of a thousandth of a pixel, the accuracy of positions in the history: a smaller result
-// of new_part() is rounding error.
+// The square of the accuracy of positions in the history, which is a thousandth of a pixel. A
+// smaller result of new_part() is rounding error.
 const float PLACE_ROUNDING = 1e-6;
 
 void main()

@@ -17,9 +17,9 @@ DENOISE_WRITE(picture, DENOISE_PICTURE)
 // in one of 20 cases. Both have 13 degrees of freedom, 1 / (sum of the squares of the window's
 // weights).
 const float FISHER_13_13 = 2.58;
-// Up to this many samples a pixel, differences within these limits are attributed to chance,
-// because noise is the greater problem. With more samples there is less noise, and the limits are
-// lower.
+// Up to this many samples per pixel, differences within the limits FISHER_13_13 and RARE_SHARE are
+// attributed to chance, because noise is the greater problem. With more samples there is less
+// noise, and the limits are lower.
 const float SAMPLES_FEW = 16.0;
 // A single pixel has one degree of freedom; the distribution F(1, 1) exceeds x in a fraction 2 /
 // (pi sqrt(x)) of all cases. This fraction is 1/500 with few samples and grows with their number,
@@ -31,8 +31,8 @@ vec2 unpack_judgement(uint packed)
     return vec2(uintBitsToFloat(packed & 0xffff0000u), uintBitsToFloat(packed << 16u));
 }
 
-// The third component of the sum is that of the variances times the numbers of samples, that is, of
-// variances of one sample.
+// The third component sums variances of one sample: the variance of each pixel times its number of
+// samples.
 void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
 {
     bool inside;
@@ -43,9 +43,10 @@ void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
 }
 
 // Returns the weight of the filtered light, 0 to 1, judged by the surrounding pixels together and
-// by the pixel alone. The mean of (f - p)^2 is V + b^2, from which the surrounding pixels give the
-// bias b. V is the variance that they would have with as many samples as this pixel (`worth`
-// includes those of the history), which has fewer if it has just come into view.
+// by the pixel alone. For filtered light f and unfiltered light p, the mean of (f - p)^2 over the
+// surrounding pixels is V + b^2, which gives the bias b. `worth` is this pixel's number of samples,
+// including those of the history; a pixel that has just come into view has few. V is scaled to this
+// number.
 float trust(ivec2 pixel, vec2 own, float samples, float worth)
 {
     vec3 sum = vec3(0.0);
@@ -53,7 +54,7 @@ float trust(ivec2 pixel, vec2 own, float samples, float worth)
     DENOISE_SQUARE_5(ADD_JUDGEMENT)
     float many = max(samples / SAMPLES_FEW, 1.0);
     float rare = 2.0 / (PI * RARE_SHARE * many);
-    // Both halves of a dark pixel may not have found any light yet: the variance of the surrounding
+    // Both half-buffers of a dark pixel may still be black. So the variance of the surrounding
     // pixels is added, with a weight that decreases with the number of samples.
     float variance = own.y + sum.y / (many * many);
     float chance = 1.0 + (FISHER_13_13 - 1.0) / many;

@@ -14,7 +14,7 @@ layout(constant_id = DENOISE_CONSTANT_AOVS) const uint AOVS = 0u;
 layout(constant_id = DENOISE_CONSTANT_GATHER) const uint GATHERED = DENOISE_GATHER_ALL;
 
 layout(std430, set = 0, binding = DENOISE_FILM) readonly buffer film_block {
-    uvec4 film_words[]; // gpu_film_pixel, and see shared/aov.h
+    uvec4 film_words[]; // gpu_film_pixel and AOVs, see shared/aov.h
 };
 DENOISE_WRITE(guides, DENOISE_GUIDES)
 DENOISE_WRITE(to, DENOISE_TO)
@@ -65,8 +65,8 @@ vec3 half_sum(uint at, uint number)
     return sum;
 }
 
-// lib/halves.glsl has this function for the kernels that render. It cannot be included here,
-// because it reads their uniform block.
+// lib/halves.glsl has this function for the kernels that render. That file cannot be included here,
+// because it reads the uniform block of those kernels.
 uint samples_of_first_half(uint samples)
 {
     return denoise.halves == HALVES_CONTIGUOUS ? min(samples, denoise.first_half)

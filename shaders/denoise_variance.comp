@@ -14,8 +14,8 @@ DENOISE_READ(records, DENOISE_RECORDS)
 DENOISE_WRITE(to, DENOISE_TO)
 
 const int SPATIAL_RADIUS = 3;
-// With fewer degrees of freedom the spatial variance of the neighbours is used, as Schied et al.
-// 2017 do with fewer than 4 frames (section 4.2).
+// With fewer degrees of freedom than this the spatial variance of the neighbours is used, as Schied
+// et al. 2017 do with fewer than 4 frames (section 4.2).
 const float FREEDOM_ENOUGH = 4.0;
 
 // Returns the similarity of a neighbour, by geometry only; 0 outside the image.
@@ -27,8 +27,8 @@ float likeness(depth_plane plane, ivec2 pixel, ivec2 offset, out uint index)
     return inside ? weight : 0.0;
 }
 
-// Adds the squared deviations, for the variance of one sample, and the degrees of freedom of a
-// neighbour.
+// Adds a neighbour's squared deviations in x and its degrees of freedom in y. The variance of one
+// sample is x / y.
 void pool(inout vec2 sum, depth_plane plane, ivec2 pixel, ivec2 offset)
 {
     uint index;
@@ -44,8 +44,8 @@ vec2 pool_deviations(depth_plane plane, ivec2 pixel)
     return sum;
 }
 
-// Returns the variance of the neighbours' means. They are taken relative to this pixel's, so that
-// nothing cancels. radius: -1 if the result is not needed, so that the loop ends at once.
+// Returns the variance of the neighbours' means. The means are taken relative to this pixel's mean,
+// which avoids cancellation. radius: -1 if the result is not needed, so that the loop ends at once.
 float spatial_variance(depth_plane plane, ivec2 pixel, float luminance_here, int radius)
 {
     vec3 sum = vec3(0.0);

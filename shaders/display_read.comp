@@ -6,7 +6,7 @@
 #include "lib/display.glsl"
 #include "lib/film_sums.glsl"
 
-WORDS(film, DISPLAY_BINDING_FILM) // gpu_film_pixel, and see shared/aov.h
+WORDS(film, DISPLAY_BINDING_FILM) // gpu_film_pixel and AOVs, see shared/aov.h
 layout(std430, set = 0, binding = DISPLAY_BINDING_DENOISED) readonly buffer denoised_block {
     vec4 denoised[];
 };
@@ -18,7 +18,7 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block 
     vec4 to_pixels[];
 };
 
-// Returns the sum of the layers' float number `place`.
+// Returns the sum of the AOVs' float number `place`.
 float aov_float(uint at, uint place)
 {
     uint word = place >> 2u;
@@ -38,8 +38,8 @@ float aov_scalar(uint at, const uint aov)
     return aov_float(at, AOV_SCALAR_AT(AOVS, aov));
 }
 
-// lib/halves.glsl has this function for the kernels that render. It cannot be included here,
-// because it reads their uniform block.
+// lib/halves.glsl has this function for the kernels that render. That file cannot be included here,
+// because it reads the uniform block of those kernels.
 uint samples_of_first_half(uint samples)
 {
     if (HALVES == HALVES_CONTIGUOUS)
@@ -119,7 +119,7 @@ uint object_of(uvec4 ids)
 vec3 color_of_number(uint number)
 {
     uint hash = number * 2654435769u; // 2^32 / golden ratio
-    uint mixed = (hash ^ hash >> 15u) * 2246822519u; // Collet's xxHash, its second prime
+    uint mixed = (hash ^ hash >> 15u) * 2246822519u; // the second prime of Collet's xxHash
     float hue = float(hash >> 8u) * 5.9604644775390625e-8 * 6.0; // in [0, 6)
     float value = 0.6 + 0.4 * float(mixed >> 24u) / 255.0;
     float saturation = 0.45 + 0.4 * float(mixed >> 16u & 255u) / 255.0;

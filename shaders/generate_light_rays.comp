@@ -1,6 +1,6 @@
-// One thread starts one light path, the one that belongs to a pixel's sample, at a point of an
-// emitter and in a random direction. Fills the queue of rays with the first slot of each sample
-// whose light path has begun.
+// One thread starts the light path that belongs to one sample of a pixel, at a point of an emitter
+// and in a random direction. Fills the queue of rays with the first slot of each sample whose light
+// path has begun.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -27,7 +27,7 @@ void main()
         u = uniforms(slot, DIMENSION_CAMERA);
     if (is_apart)
         u.xy = pixel_uniforms_2d(pixel, slot_sample(slot));
-#ifdef PLANTED_SLOT // for tests of tests: is an image that depends on slots detected?
+#ifdef PLANTED_SLOT // planted fault, which tests must detect: the image depends on slots
     u.x = fract(u.x + 0.5 * float(slot >> 8u & 1u));
 #endif
     vec2 inside = HAS(FEATURE_JITTER) ? filter_position(u.xy) : vec2(0.5);

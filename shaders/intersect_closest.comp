@@ -39,7 +39,8 @@ void main()
     bool done = trace_or_suspend(slot, valid, ray, hit);
 
     bool found = done && hit.primitive != NO_PRIMITIVE;
-#ifdef PLANTED_HOLES // for tests of tests: are rays that pass through closed surfaces detected?
+#ifdef PLANTED_HOLES // planted fault, which tests must detect: some rays pass through closed
+                     // surfaces
     found = found && slot % 1024u != 0u;
 #endif
     if (found)

@@ -1,5 +1,5 @@
-// One thread tests whether a surface is between a vertex and the sampled point on an emitter. Reads
-// the queue of shadow rays; if there is none, adds the contribution to the path's radiance.
+// One thread tests whether a surface is between a vertex and the sampled point on an emitter. If
+// not, the contribution is added to the path's radiance. Reads the queue of shadow rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

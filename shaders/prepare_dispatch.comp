@@ -1,4 +1,4 @@
-// One thread for each queue whose bit is set in push.queue: converts the queue's count into
+// One thread processes one queue whose bit is set in push.queue: converts the queue's count into
 // indirect dispatches of its consumer, in parts of push.part_items, and empties the queue for its
 // producers.
 //

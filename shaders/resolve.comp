@@ -7,10 +7,10 @@
 #include "lib/queue.glsl"
 
 layout(std430, set = 0, binding = BINDING_FILM) readonly buffer film_block {
-    uvec4 film_words[]; // gpu_film_pixel, and see shared/aov.h
+    uvec4 film_words[]; // gpu_film_pixel and AOVs, see shared/aov.h
 };
 layout(std430, set = 0, binding = BINDING_RESOLVED) writeonly buffer resolved_block {
-    uvec4 resolved_words[]; // gpu_resolved_pixel, and see shared/aov.h
+    uvec4 resolved_words[]; // gpu_resolved_pixel and AOVs, see shared/aov.h
 };
 
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
@@ -34,7 +34,7 @@ vec3 mean_of_floats(uint at, uint number, uint samples, float factor)
     return samples > 0u ? kept / float(samples) * factor : vec3(0.0);
 }
 
-// Returns the means of components 4 * word to 4 * word + 3 of the layers.
+// Returns the means of components 4 * word to 4 * word + 3 of the AOVs.
 vec4 mean_of_group(uint at, uint word, uint samples)
 {
     uint group = at + AOV_FILM_DIGITS_AT(AOVS) + word / FILM_GROUPS_A_WORD;

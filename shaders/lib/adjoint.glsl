@@ -1,6 +1,6 @@
 // Scattering of light paths. BSDFs are evaluated with the same arguments as for a camera path that
-// arrives from the opposite end, so that asymmetric models, and normals that were bent towards the
-// viewer, have the same values for both kinds of path.
+// arrives from the opposite end, so that asymmetric models and normals that were bent towards the
+// viewer have the same values for both kinds of path.
 #ifndef ADJOINT_GLSL
 #define ADJOINT_GLSL
 
@@ -41,8 +41,8 @@ vec3 eval_reversed(vertex v, vec3 onwards, out float pdf)
 }
 
 // Returns whether delta scattering can be reversed: whether a path that arrives from `onwards`
-// leaves to v.view if one from v.view leaves to `onwards`. This is not so if the normal was bent
-// for either direction.
+// leaves to v.view if a path from v.view leaves to `onwards`. It cannot be reversed if the normal
+// was bent for either direction.
 bool is_reversible(vertex v, vec3 onwards)
 {
     if (!HAS(FEATURE_NORMALS) && !HAS(FEATURE_NORMAL_MAPS))

@@ -10,8 +10,8 @@
 #include "lib/microfacet.glsl"
 #include "shared/albedo.h"
 
-// The following functions return coordinates in [0, 1] along the tables' axes. Albedos vary with
-// cosines of about `scale`, and with the square root of the cosine near 0.
+// The following functions return coordinates in [0, 1] along the tables' axes. Albedos change most
+// at cosines of about `scale`; near cosine 0 they change with its square root.
 float albedo_axis_mu(float mu, float scale)
 {
     return sqrt(mu * (1.0 + scale) / (mu + scale));
@@ -106,8 +106,8 @@ float albedo_coat_exact(uint tables, float mu, float gloss)
                        vec2(albedo_axis_mu(mu, 0.25), gloss));
 }
 
-// Returns in xyz the coefficients of a polynomial in the roughness, the albedo of Burley's
-// subsurface approximation; in w the albedo of his sheen.
+// Returns in xyz the coefficients of a polynomial in the roughness, whose value is the albedo of
+// Burley's subsurface approximation. w is the albedo of his sheen.
 vec4 albedo_diffuse(uint tables, float mu)
 {
     float position = albedo_place(albedo_axis_mu(mu, 0.2)) * float(ALBEDO_DIFFUSE_MU);
@@ -153,8 +153,8 @@ float albedo_run(uint word, uint left, float w)
     return mix(low, high, w);
 }
 
-// Interpolates in a table of such words, each a run of nodes along the first axis; returns 0 to
-// 65535.
+// Interpolates in a table whose words are read by albedo_run(): each is a run of nodes along the
+// first axis. Returns 0 to 65535.
 float albedo_runs(uint first, uvec3 size, vec3 at)
 {
     vec3 w;
@@ -191,7 +191,8 @@ float albedo_glass(uint tables, float mu, float alpha, float eta)
     return root * root;
 }
 
-// Does the same for a rough interface that reflects only where reflection is total.
+// Returns the energy that a rough interface reflects and transmits in all if it reflects only where
+// reflection is total.
 float albedo_clear(uint tables, float mu, float alpha, float eta)
 {
     float root = albedo_runs(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),
@@ -236,7 +237,7 @@ float albedo_turned(uint tables, float mu, vec3 axes, float alpha_o)
 
 // Returns a cosine that represents wo.h for all directions that anisotropic GGX reflects: its (1 -
 // cos)^12 equals the mean of (1 - wo.h)^12. For indices from 1.05 on the Fresnel reflectance is
-// concave in that power, so at this cosine it is at least its mean.
+// concave in that power, so its value at this cosine is at least its mean.
 float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
 {
     return 1.0 - albedo_slices(tables + ALBEDO_SINE,
@@ -245,9 +246,8 @@ float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
                                vec4(albedo_axis_mu(mu, alpha_o + 0.2), axes));
 }
 
-// Returns the alpha, at most 1, of the isotropic interface that approximates an anisotropic one:
-// seen along the normal (mu = 1), where both axes count the same; from the horizon, where only the
-// slope along wo counts; and in between.
+// Returns the alpha, at most 1, of the isotropic interface that approximates an anisotropic one.
+// Along the normal (mu = 1) both axes count equally; at the horizon only the slope along wo counts.
 float albedo_turned_stand_in(float mu, vec2 alpha, float alpha_o)
 {
     float along = alpha_o * alpha_o;

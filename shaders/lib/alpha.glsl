@@ -62,7 +62,8 @@ uvec4 alpha_key(uint seed, uint pixel, uint sample_index, uint bounce, bool is_s
 bool alpha_passes(uint primitive, vec2 barycentrics, vec3 point, uint material_word, uint crossing,
                   uvec4 key)
 {
-    // pcg4d() hardly mixes differences in the highest bits, so these are also added in lower ones.
+    // pcg4d() hardly mixes differences in the highest bits, so the high bits of `crossing` are also
+    // added to a lower component.
     uint bits = pcg4d(key + uvec4(0u, 0u, crossing >> 16u, crossing)).x >> 8u;
     return float(bits) * 5.9604644775390625e-8 <
            alpha_probability(primitive, barycentrics, point, material_word);

@@ -6,8 +6,8 @@
 
 #include "lib/numbers.glsl"
 
-// Returns the sine of at most a quarter of a turn, by its Taylor series; the next term is below
-// 6e-8.
+// Returns the sine of an angle of at most a quarter of a turn, by its Taylor series. The first
+// omitted term is below 6e-8.
 float sin_small(float turns)
 {
     float t = turns * (2.0 * PI);
@@ -16,8 +16,9 @@ float sin_small(float turns)
     return t * (1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * rest));
 }
 
-// Returns cosine and sine of an angle below 2^22 turns, which includes all azimuths. Taylor series
-// up to an eighth of a turn, whose next terms are below 3e-8 and 2e-9.
+// Returns cosine and sine of an angle below 2^22 turns, which includes all azimuths. The angle is
+// reduced to at most an eighth of a turn, for Taylor series whose first omitted terms are below
+// 3e-8 and 2e-9.
 vec2 cos_sin_turns(float turns)
 {
     float quarter = floor(4.0 * turns + 0.5);
@@ -33,7 +34,8 @@ vec2 cos_sin_turns(float turns)
 }
 
 // Returns the angle of (x, y) from the x axis, in [-1/2, 1/2]. The arguments are reduced to at most
-// tan(pi / 8), for which Gregory's series of the arctangent is used; the next term is below 2e-8.
+// tan(pi / 8), for which Gregory's series of the arctangent is used. The first omitted term is
+// below 2e-8.
 float atan_turns(float y, float x)
 {
     float low = min(abs(x), abs(y)), high = max(max(abs(x), abs(y)), 1e-37);

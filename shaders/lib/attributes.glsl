@@ -1,5 +1,5 @@
 // Reads the attributes of triangles' corners. The features determine the word offsets;
-// render/attributes.h computes the same.
+// render/attributes.h computes the same offsets.
 #ifndef ATTRIBUTES_GLSL
 #define ATTRIBUTES_GLSL
 

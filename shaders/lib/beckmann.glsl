@@ -2,15 +2,16 @@
 // those that may replace Smith's. Pure functions.
 //
 // Directions are unit vectors of the local frame, z along the macroscopic normal, on its side; h is
-// a microfacet's normal. alpha is from 1e-4 on, and Walter et al. 2007 is "Microfacet Models for
+// a microfacet's normal. alpha is at least 1e-4. Walter et al. 2007 is "Microfacet Models for
 // Refraction through Rough Surfaces".
 #ifndef BECKMANN_GLSL
 #define BECKMANN_GLSL
 
 #include "lib/constants.glsl"
 
-// log(1 - x) for 0 <= x < 1. Vulkan's log errs by 2^-21 around 1; below 1/4 the series of
-// -2 atanh(x / (2 - x)), whose fifth term is less than 2^-24 of the sum.
+// Returns log(1 - x) for 0 <= x < 1. Vulkan's log() has errors of 2^-21 near 1, so below x = 1/4
+// four terms of the series of -2 atanh(x / (2 - x)) are used. The fifth is less than 2^-24 of the
+// sum.
 float log_one_minus(float x)
 {
     float z = x / (2.0 - x);
@@ -19,7 +20,8 @@ float log_one_minus(float x)
     return x < 0.25 ? series : log(1.0 - x);
 }
 
-// 1 - exp(-x) for x >= 0. Below 1/4 six terms of the series: the seventh is less than 2^-24 of it.
+// Returns 1 - exp(-x) for x >= 0. Below x = 1/4 six terms of the series are used. The seventh is
+// less than 2^-24 of the sum.
 float one_minus_exp(float x)
 {
     float series =
@@ -34,7 +36,7 @@ float power_one_minus(float x, float n)
     return x < 1.0 ? exp(n * log_one_minus(max(x, 0.0))) : 0.0;
 }
 
-// Walter et al. 2007, eq. 25.
+// Returns D of Beckmann's distribution (Walter et al. 2007, eq. 25).
 float beckmann_d(vec3 h, float alpha)
 {
     float cos2 = h.z * h.z;
@@ -45,15 +47,15 @@ float beckmann_d(vec3 h, float alpha)
     return exp(-exponent) * INV_PI / (alpha * alpha * cos2 * cos2);
 }
 
-// Walter et al. 2007, eq. 30, (a_p + 2) / (2 pi) cos^a_p, with a_p = 2 / alpha^2 - 2, the exponent
-// whose highlight is as wide as that of Beckmann's distribution (section 5.2).
+// Returns D of Phong's distribution, (a_p + 2) / (2 pi) cos^a_p (Walter et al. 2007, eq. 30). With
+// a_p = 2 / alpha^2 - 2 the highlight is as wide as that of Beckmann's distribution (section 5.2).
 float phong_d(vec3 h, float alpha)
 {
     float inverse = 1.0 / (alpha * alpha); // a_p / 2 + 1
     return inverse * INV_PI * power_one_minus(dot(h.xy, h.xy), inverse - 1.0);
 }
 
-// Abramowitz and Stegun 1964, eq. 7.1.26, for x >= 0: within 1.5e-7.
+// Returns erf(x) for x >= 0, within 1.5e-7 (Abramowitz and Stegun 1964, eq. 7.1.26).
 float error_function(float x)
 {
     float t = 1.0 / (1.0 + 0.3275911 * x);
@@ -63,9 +65,9 @@ float error_function(float x)
     return 1.0 - sum * exp(-x * x);
 }
 
-// Smith's Lambda of Beckmann's distribution (Heitz 2014, eq. 66), with a = 1 / (alpha tan(theta)).
-// Never divides by the sine; from a = 4 on Lambda is less than 2^-24 (its asymptote is
-// exp(-a^2) / (4 sqrt(pi) a^3)).
+// Returns Smith's Lambda of Beckmann's distribution (Heitz 2014, eq. 66), with a = 1 / (alpha
+// tan(theta)). It is computed without a division by the sine. For a >= 4, Lambda is less than 2^-24
+// (its asymptote is exp(-a^2) / (4 sqrt(pi) a^3)).
 float beckmann_lambda(vec3 w, float alpha)
 {
     float slope = alpha * length(w.xy);
@@ -76,9 +78,9 @@ float beckmann_lambda(vec3 w, float alpha)
     return max(0.0, 0.5 * (error_function(a) - 1.0 + INV_SQRT_PI * exp(-a * a) / a));
 }
 
-// Smith's Lambda of Phong's distribution (Smith 1967, "Geometrical Shadowing of a Random Rough
-// Surface"): the integral of (m / cot(theta) - 1) P(m) over the slopes m beyond cot(theta). The
-// slopes have Student's t-distribution with 2 k = 2 / alpha^2 degrees of freedom, so that
+// Returns Smith's Lambda of Phong's distribution (Smith 1967, "Geometrical Shadowing of a Random
+// Rough Surface"): the integral of (m / cot(theta) - 1) P(m) over the slopes m beyond cot(theta).
+// The slopes have Student's t-distribution with 2 k = 2 / alpha^2 degrees of freedom, so that
 //   Lambda = c s^k / ((2 k - 1) x) - 1/2 + P_k,  P_k = c integral of (1 - y^2)^(k-1) over 0 ... x,
 //   x = cos(theta), s = 1 - x^2, c_k = Gamma(k + 1/2) / (sqrt(pi) Gamma(k)).
 // P_(k+3) is computed by Wallace's approximation of Student's distribution by the normal
@@ -113,7 +115,7 @@ float smith_g2(float lambda_o, float lambda_i, bool separable)
                      : 1.0 / (1.0 + lambda_o + lambda_i);
 }
 
-// The rational fit to Beckmann's G1 (Walter et al. 2007, eq. 27).
+// Returns the rational fit to Beckmann's G1 (Walter et al. 2007, eq. 27).
 float rational_g1(vec3 w, float alpha)
 {
     float slope = alpha * length(w.xy);
@@ -123,11 +125,11 @@ float rational_g1(vec3 w, float alpha)
     return a * (3.535 + 2.181 * a) / (1.0 + a * (2.276 + 2.577 * a));
 }
 
-// Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq. 19. His own k =
-// sqrt(2 / pi) alpha fits Smith's function for Beckmann's distribution. Karis 2013, "Real Shading
-// in Unreal Engine 4", uses k = alpha / 2, which equals the G1 of GGX at grazing incidence, and
-// (roughness + 1)^2 / 8 for delta lights. With alpha = roughness^2 none of the three is below alpha
-// / 2, so this G1 never exceeds that of GGX.
+// Returns the G1 of Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq.
+// 19. His own k = sqrt(2 / pi) alpha fits Smith's function for Beckmann's distribution. Karis 2013,
+// "Real Shading in Unreal Engine 4", uses k = alpha / 2, which equals the G1 of GGX at grazing
+// incidence, and (roughness + 1)^2 / 8 for delta lights. With alpha = roughness^2 none of the three
+// is below alpha / 2, so this G1 never exceeds that of GGX.
 float schlick_g1(vec3 w, float k)
 {
     return w.z / (w.z * (1.0 - k) + k);

@@ -1,4 +1,4 @@
-// Models to which papers and courses compare theirs: Phong, Blinn-Phong and Torrance-Sparrow
+// Models with which papers and courses compare their own: Phong, Blinn-Phong and Torrance-Sparrow
 // microfacets, each over a Lambertian base. Pure. See lib/bsdf_types.glsl for the frame and the
 // conventions, docs/materials-classical.md for the formulas and their energy.
 #ifndef BSDF_CLASSICAL_GLSL
@@ -85,9 +85,9 @@ vec3 mirrored(vec3 wo)
     return vec3(-wo.xy, wo.z);
 }
 
-// Lafortune and Willems 1994, "Using the Modified Phong Reflectance Model for Physically Based
-// Rendering": kd / pi + ks (n + 2) / (2 pi) cos^n of the angle from the mirror direction. The
-// cosine is 1 - |difference|^2 / 2.
+// Evaluates the model of Lafortune and Willems 1994, "Using the Modified Phong Reflectance Model
+// for Physically Based Rendering": kd / pi + ks (n + 2) / (2 pi) cos^n of the angle from the mirror
+// direction. The cosine is 1 - |difference|^2 / 2.
 vec3 eval_phong(material m, vec3 wo, vec3 wi, out float pdf)
 {
     pdf = 0.0;
@@ -231,9 +231,9 @@ float microfacet_smith(material m, vec3 wo, vec3 wi, float alpha)
     return smith_g2(beckmann_lambda(wo, alpha), beckmann_lambda(wi, alpha), separable);
 }
 
-// The rational function is a fit to Beckmann's G1. With other distributions it would make more area
-// visible than a surface has, and reflect up to 1.7 times the light; so it is limited to the G1 of
-// the distribution.
+// Returns the rational function for G1, which is a fit to Beckmann's G1. With other distributions
+// it would make more area visible than a surface has, and reflect up to 1.7 times the light; so it
+// is limited to the G1 of the distribution.
 float microfacet_rational(material m, vec3 w, float alpha)
 {
     float g1 = rational_g1(w, alpha);
@@ -273,9 +273,9 @@ float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
 }
 
 // Visible normals are sampled by GGX whatever the distribution: GGX has the longest tail, so the
-// weights are bounded. If all normals are sampled by D, it is the material's own: tan^2 = -alpha^2
-// log(1 - u) for Beckmann, cos = (1 - u)^(1 / (a_p + 2)) for Phong (Walter et al. 2007, eqs. 28 and
-// 31).
+// weights are bounded. With NORMALS_NDF, normals are sampled by the material's own D: tan^2 =
+// -alpha^2 log(1 - u) for Beckmann, cos = (1 - u)^(1 / (a_p + 2)) for Phong (Walter et al. 2007,
+// eqs. 28 and 31).
 vec3 sample_microfacet_normal(material m, vec3 wo, float alpha, vec2 u)
 {
     uint distribution = microfacet_distribution(m);
@@ -288,7 +288,7 @@ vec3 sample_microfacet_normal(material m, vec3 wo, float alpha, vec2 u)
     return sample_ggx_normal(wo, vec2(alpha), u);
 }
 
-// Walter et al. 2007, eq. 20.
+// Evaluates the base and the highlight, which is eq. 20 of Walter et al. 2007.
 vec3 eval_microfacet(material m, vec3 wo, vec3 wi, float eta, out float pdf)
 {
     pdf = 0.0;

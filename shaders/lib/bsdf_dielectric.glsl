@@ -133,8 +133,8 @@ bsdf_sample sample_smooth_dielectric(vec3 wo, float eta, bool thin, float u)
                        true, true);
 }
 
-// Walter et al. 2007, eqs. 16, 17, 20, 21. thin: reflection, and its mirror image on the other
-// side.
+// Evaluates eqs. 16, 17, 20 and 21 of Walter et al. 2007. If `thin` is set, transmission is the
+// mirror image of reflection.
 vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, bool separable,
                            out float pdf)
 {
@@ -166,8 +166,8 @@ vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, 
     return vec3(visible * ggx_g1(wi, alphas) / refraction_divisor(eta));
 }
 
-// Makes one try. `unshadowed` is the probability that no other microfacet shadows it; if normals
-// are sampled by D, it is a weight instead.
+// Makes one try. `unshadowed` is the probability that no other microfacet shadows the sampled
+// direction; if normals are sampled by D, it is a weight instead.
 bsdf_sample try_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, bool separable,
                                  vec4 u, out float unshadowed)
 {

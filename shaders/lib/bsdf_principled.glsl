@@ -20,7 +20,8 @@ vec3 eval_fibres(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
     return p.fibre_color * (g * wi.z / max(1.0, largest));
 }
 
-// GTR1 (Burley 2012, eq. 4 and appendix B.2); a^2 cos^2 + sin^2 is computed without cancellation.
+// Returns D of GTR1 (Burley 2012, eq. 4 and appendix B.2). The form a^2 cos^2 + sin^2 avoids
+// cancellation.
 float gtr1_d(vec3 h, float a)
 {
     float a2 = a * a;
@@ -43,7 +44,7 @@ float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
         return f * eval_ggx_reflection(wo, wi, h, p.coat_alpha, p.separable, pdf);
     precise float d = gtr1_d(h.xyz, p.coat_alpha);
     pdf = d * h.z / (4.0 * h.w);
-    // G1 / (4 wo.z wi.z) wi.z, with alpha = 1/4.
+    // g is G1(wo) G1(wi) / (4 wo.z), with alpha = 1/4.
     precise float g =
         ggx_g1(wi, vec2(0.25)) / (2.0 * (wo.z + ggx_stretched_length(wo, vec2(0.25))));
     return f * d * g;
@@ -82,7 +83,7 @@ bool principled_through_is_delta(principled p)
            (!p.thin && min(p.alpha.x, p.alpha.y) * abs(p.eta - 1.0) < SMALLEST_REFRACTED_WIDTH);
 }
 
-// Walter et al. 2007, eqs. 16, 17 and 21, for radiance.
+// Evaluates eqs. 16, 17 and 21 of Walter et al. 2007, for radiance.
 vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;

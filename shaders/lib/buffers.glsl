@@ -103,8 +103,8 @@ uint item_first_sample(uint item)
     return HAS(FEATURE_TILES) ? listed(1u, item) : push.first_sample;
 }
 
-// Returns the slots of a sample: one, or with FEATURE_SPLIT_LOBES one for each branch of its path;
-// they are adjacent.
+// Returns the number of slots of a sample: one, or with FEATURE_SPLIT_LOBES one for each branch of
+// its path. The slots are adjacent.
 uint slots_a_sample()
 {
     return HAS(FEATURE_SPLIT_LOBES) ? 1u << frame.split_lobes : 1u;
@@ -140,7 +140,7 @@ uint picture_pixel(uint pixel)
     return frame.window_first + row * frame.picture_width + (pixel - row * frame.width);
 }
 
-// Return the pixel of the film and the sample number of a slot.
+// Return the pixel of the picture and the sample number of a slot.
 uint slot_pixel(uint slot)
 {
     return picture_pixel(item_pixel(sample_of_slot(slot) >> push.sample_shift));
@@ -191,7 +191,7 @@ void add_aov_vector(uint slot, const uint aov, vec3 value)
     }
 }
 
-// Tests the bit pattern: drivers may assume that floats are finite.
+// Tests the bit pattern, because drivers may assume that floats are finite.
 bool is_finite(vec3 v)
 {
     uvec3 exponent = floatBitsToUint(v) & 0x7f800000u;

@@ -1,4 +1,4 @@
-// The BVH's nodes, in whichever of their two formats: child words, and testing the boxes.
+// Reads the child words of BVH nodes and tests their boxes, in either of the two node formats.
 #ifndef BVH_NODE_GLSL
 #define BVH_NODE_GLSL
 
@@ -6,8 +6,8 @@
 #define BVH_LEAF_SHAPE 0x40000000u
 #define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u)
 #define BVH_LEAF_INDEX 0x1fffffffu // index of a shape or an instance
-// One triangle more in a leaf's word, which holds the number of triangles after the first one in
-// the bits above the first one's index.
+// The increment of a leaf's word for one more triangle. The word holds the number of triangles
+// after the first one, in the bits above the first one's index.
 #define BVH_LEAF_ONE_MORE (1u << LEAF_INDEX_BITS)
 #define BVH_LEAF_MORE (BVH_LEAF_SHAPE - BVH_LEAF_ONE_MORE)
 #define BVH_LEAF_TRIANGLE (BVH_LEAF_ONE_MORE - 1u)

@@ -10,9 +10,9 @@ struct bvh_ray {
 
 bvh_ray bvh_ray_create(vec3 origin, vec3 direction)
 {
-    // The least absolute component of a direction. It moves the ray by less than the tests' margin
-    // over any distance in a scene of floats, and the product of its reciprocal and a coordinate is
-    // finite.
+    // The minimum absolute value of a direction's components. Replacing smaller ones moves the ray
+    // by less than the tests' margin over any distance in a scene of floats, and the product of its
+    // reciprocal and a coordinate is finite.
     const float smallest = 1e-18;
     vec3 d = mix(direction, mix(vec3(smallest), vec3(-smallest), lessThan(direction, vec3(0.0))),
                  lessThan(abs(direction), vec3(smallest)));

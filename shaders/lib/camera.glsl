@@ -52,8 +52,8 @@ camera_ray ray_through_lens(vec3 from, vec3 direction, vec2 u)
                       normalize(direction - offset / frame.focus_distance));
 }
 
-// at: position in the image, from (-1, -1), the upper left corner, to (1, 1). u_lens: used only
-// with a lens.
+// Returns the camera ray through `at`, a position in the image from (-1, -1), the upper left
+// corner, to (1, 1). u_lens: is used only with a lens.
 camera_ray make_camera_ray(vec2 at, vec2 u_lens)
 {
     if (CAMERA == CAMERA_PANORAMIC)

@@ -42,8 +42,8 @@ vec3 eval_connection(vertex v, material m, vec3 local, light_sample l, out float
     return f;
 }
 
-// For a vertex at which the path splits: returns the sum over both parts, each weighted against the
-// branch that samples it.
+// Returns, at a vertex where the path splits, the sum over both parts. Each part is weighted
+// against the branch that samples it.
 vec3 eval_split_connection(vertex v, vec3 local, light_sample l)
 {
     float weight_d, weight_s;
@@ -104,7 +104,7 @@ bool connect_all_lamps(vertex v, receiver r)
     return any_ray;
 }
 
-// Stores the vertex's shadow rays; false if there are none. u: selects one emitter, see
+// Stores the vertex's shadow rays. Returns false if there are none. u: selects one emitter, see
 // sample_light().
 bool connect_light(vertex v, vec4 u)
 {

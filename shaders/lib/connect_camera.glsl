@@ -15,8 +15,8 @@ struct camera_sight {
     bool valid;     // the point is in front of the camera
 };
 
-// The inverse of make_camera_ray() for cameras with a lens or a pinhole. `from`: the point relative
-// to the beginning of the line of sight.
+// Inverts make_camera_ray() for cameras with a lens or a pinhole. `from`: the point relative to
+// frame.camera_position.
 camera_sight see_in_perspective(vec3 from, vec2 u_lens)
 {
     camera_sight c;
@@ -45,7 +45,7 @@ camera_sight see_in_perspective(vec3 from, vec2 u_lens)
     return c;
 }
 
-// The inverse of make_camera_ray() for orthographic cameras.
+// Inverts make_camera_ray() for orthographic cameras.
 camera_sight see_in_parallel(vec3 from)
 {
     camera_sight c;
@@ -59,7 +59,7 @@ camera_sight see_in_parallel(vec3 from)
     return c;
 }
 
-// The inverse of panorama_direction().
+// Inverts panorama_direction().
 camera_sight see_all_around(vec3 from)
 {
     camera_sight c;
@@ -73,7 +73,7 @@ camera_sight see_all_around(vec3 from)
     return c;
 }
 
-// u_lens: selects the point on the lens.
+// Returns how the camera sees a point. u_lens: selects the point on the lens.
 camera_sight see_from_camera(vec3 point, vec2 u_lens)
 {
     vec3 from = point - frame.camera_position;

@@ -43,7 +43,7 @@ layout(constant_id = CONSTANT_ROUNDING) const uint ROUNDING_MODE = ROUNDING_NEAR
 layout(constant_id = CONSTANT_STACK_SHARED) const uint STACK_SHARED = 0u;
 layout(constant_id = CONSTANT_WINDOW) const uint WINDOW = 0u;
 
-// A constant expression: the code of a feature that is off is removed.
+// These are constant expressions, so the code of a feature that is off is removed.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)
 #define HAS_GEOMETRY(geometry) ((GEOMETRY & (geometry)) != 0u)
 #define HAS_SDF(operation) ((SDF & (operation)) != 0u)
@@ -57,7 +57,7 @@ layout(constant_id = CONSTANT_WINDOW) const uint WINDOW = 0u;
 #define ROUNDING_OF_ANY 1.1920928955078125e-7
 #define IS_NEAREST (ROUNDING_MODE == ROUNDING_NEAREST)
 #define ROUNDING (IS_NEAREST ? ROUNDING_OF_NEAREST : ROUNDING_OF_ANY)
-// Bound of n roundings in a row (Higham 2002, lemma 3.1).
+// The bound on the relative error of n roundings in a row (Higham 2002, lemma 3.1).
 #define GAMMA_OF(n, rounding) (float(n) * rounding / (1.0 - float(n) * rounding))
 #define GAMMA(n)                                                                                   \
     (IS_NEAREST ? GAMMA_OF(n, ROUNDING_OF_NEAREST) : GAMMA_OF(n, ROUNDING_OF_ANY))

@@ -16,7 +16,7 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
     gpu_denoise denoise;
 };
 
-// uvec4 NAME_bits(uint pixel) and vec4 load_NAME(uint pixel)
+// Defines uvec4 NAME_bits(uint pixel) and vec4 load_NAME(uint pixel).
 #define DENOISE_READ(name, number)                                                                 \
     layout(std430, set = 0, binding = number) ALIASED readonly buffer name##_block {               \
         uvec4 name##_words[];                                                                      \
@@ -33,7 +33,7 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
         return uintBitsToFloat(name##_bits(pixel));                                                \
     }
 
-// void store_NAME(uint pixel, vec4 value)
+// Defines void store_NAME(uint pixel, vec4 value).
 #define DENOISE_WRITE(name, number)                                                                \
     layout(std430, set = 0, binding = number) ALIASED buffer name##_block {                        \
         uvec4 name##_words[];                                                                      \
@@ -73,8 +73,8 @@ uint neighbour_index(ivec2 pixel, ivec2 offset, out bool inside)
     return pixel_index(uvec2(inside ? at : pixel));
 }
 
-// Written out, because some drivers do not unroll loops, and the overhead of the loop exceeds the
-// cost of its body.
+// The loops are written out, because some drivers do not unroll them, and their overhead exceeds
+// the cost of their bodies.
 #define DENOISE_ROW_3(tap, y) tap(-1, y) tap(0, y) tap(1, y)
 #define DENOISE_SQUARE_3(tap) DENOISE_ROW_3(tap, -1) DENOISE_ROW_3(tap, 0) DENOISE_ROW_3(tap, 1)
 #define DENOISE_ROW_5(tap, y) tap(-2, y) tap(-1, y) tap(0, y) tap(1, y) tap(2, y)

@@ -1,5 +1,5 @@
-// Rays of the film's camera through pixels, and positions of points in the history's image. Equals
-// lib/camera.glsl for a pinhole. Pure functions.
+// Rays of the film's camera through pixels, and positions of points in the history's image. The
+// functions agree with lib/camera.glsl for a pinhole. Pure functions.
 #ifndef DENOISE_VIEW_GLSL
 #define DENOISE_VIEW_GLSL
 
@@ -39,8 +39,9 @@ view_ray ray_through(gpu_denoise_view view, vec2 at)
                     inversesqrt(length_squared));
 }
 
-// Returns a function of the depth t along such a ray that is linear over the image of a plane: the
-// inverse of the depth along the line of sight; without perspective the depth itself.
+// Returns a function of the distance t along a ray of ray_through() that is linear over the image
+// of a plane. It is the inverse of the depth along the line of sight or, without perspective, the
+// depth itself.
 float guide_depth(gpu_denoise_view view, float t, float cosine)
 {
     return view.kind == CAMERA_ORTHOGRAPHIC ? t : 1.0 / (t * cosine);
@@ -63,9 +64,9 @@ float ray_length_change(gpu_denoise_view view, vec2 at)
     return dot(here, 2.0 * half_size / vec2(view.width, view.height)) / (1.0 + dot(here, here));
 }
 
-// Projects a point (or, infinitely far away, a direction from the camera) into the image: its
-// position in pixels, and its depth as the guides store it. Returns false if it is behind the
-// camera or has no projection.
+// Projects a point into the image, or a direction from the camera as an infinitely distant point.
+// `at` is the position in pixels, and `guide` the depth as the guides store it. Returns false if
+// the point is behind the camera or has no projection.
 bool project(gpu_denoise_view view, vec3 point, bool is_direction, out vec2 at, out float guide)
 {
     vec3 to = is_direction ? point : point - view.position;

@@ -2,7 +2,7 @@
 #ifndef DENOISE_WEIGHTS_GLSL
 #define DENOISE_WEIGHTS_GLSL
 
-// sigma_l and sigma_n of Schied et al. 2017, section 4.4.
+// The parameters sigma_l and sigma_n of Schied et al. 2017, section 4.4.
 const float SIGMA_LUMINANCE = 4.0;
 const uint NORMAL_SQUARINGS = 7u; // a power of 2^7 = 128
 
@@ -34,8 +34,9 @@ bool is_sky(vec4 guide)
     return dot(guide.xyz, guide.xyz) == 0.0;
 }
 
-// Equation (4). The environment has no normal; with least = 1 it is similar to everything, and only
-// its depth distinguishes it from surfaces.
+// Returns the weight of Schied et al. 2017, equation (4), but at least least^128. The environment
+// has no normal: with least = 1 it is similar to everything, and only its depth distinguishes it
+// from surfaces.
 float normal_weight(vec3 a, vec3 b, float least)
 {
     float weight = max(dot(a, b), least);
@@ -59,8 +60,8 @@ depth_plane make_plane(vec4 guide, vec2 slope, float length_change)
 {
     bool sky = is_sky(guide);
     float jitter = abs(slope.x) + abs(slope.y) + length_change * guide.w;
-    // Depths of surfaces are normal numbers, that of the sky is 0: any tolerance distinguishes
-    // them.
+    // Depths of surfaces are normal floats and the depth of the sky is 0, so any tolerance
+    // distinguishes them.
     return depth_plane(guide, slope, sky ? 1e-37 : jitter, DEPTH_ROUNDING * guide.w,
                        sky ? 1.0 : 0.0);
 }

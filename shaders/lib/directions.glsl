@@ -80,7 +80,7 @@ float pdf_direction(bool through, vec3 wo, vec3 wi)
     return through ? 0.5 * (pdf + pdf_one_side(wo, vec3(wi.xy, -wi.z))) : pdf;
 }
 
-// u: direction x, y; which side; lobe or cosine
+// Samples a direction. u: x and y select the direction, z the side, w the lobe or the cosine.
 vec3 sample_direction(bool through, vec3 wo, vec4 u)
 {
     if (DIRECTIONS == DIRECTIONS_SPHERE)

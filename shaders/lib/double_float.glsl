@@ -5,7 +5,7 @@
 #ifndef DOUBLE_FLOAT_GLSL
 #define DOUBLE_FLOAT_GLSL
 
-// Knuth 1969, theorem B of section 4.2.2.
+// Returns a + b and its rounding error (Knuth 1969, theorem B of section 4.2.2).
 vec2 exact_sum(float a, float b)
 {
     precise float sum = a + b;
@@ -53,7 +53,7 @@ vec2 multiply(vec2 a, vec2 b)
     return renormalise(vec2(p.x, lost));
 }
 
-// The error is about 2^-46 of the terms.
+// Returns the dot product, with an error of about 2^-46 of its terms.
 vec2 dot_exactly(vec3 a, vec3 b)
 {
     vec2 sum = exact_product(a.x, b.x);

@@ -10,7 +10,7 @@
 
 // Returns E of lib/bidir.glsl for a point of a surface: the density per unit of area of selecting
 // it, times the density per unit of projected solid angle of the direction, which is a cosine lobe
-// on either side. 0 if no light path begins there.
+// on either side. It is 0 if no light path begins there.
 float emission_density(uint primitive, uint word, material m)
 {
     if (IS_SHAPE(primitive)) {
@@ -25,8 +25,8 @@ float emission_density(uint primitive, uint word, material m)
     return material_pick_density(m) * 0.5 * INV_PI;
 }
 
-// Returns the versine of the cone into which a delta light emits: a spot light's, or all
-// directions.
+// Returns the versine (1 - cos) of the cone into which a delta light emits. Point lights emit into
+// all directions, whose versine is 2.
 float emission_versine(uint light)
 {
     uint at = lights_begin() + light * LIGHT_WORDS;
@@ -164,8 +164,8 @@ void start_at_light(vec2 u, vec2 u_direction, inout light_start l)
     l.valid = w1.w > 0.0;
 }
 
-// u: the emitter; the point on it, x, y; more bits for the emitter. u_direction: the direction x, y
-// (or the point on the disc); the side of the surface.
+// Starts a light path. u: selects the emitter; the point on it, x, y; more bits for the emitter.
+// u_direction: the direction x, y (or the point on the disc); the side of the surface.
 light_start start_light_path(vec4 u, vec4 u_direction)
 {
     light_start l;
@@ -187,7 +187,7 @@ light_start start_light_path(vec4 u, vec4 u_direction)
     return l;
 }
 
-// At the first vertex of a light path after the emitter: returns the densities with which a shadow
+// Returns, at the first vertex of a light path after the emitter, the densities with which a shadow
 // ray from there would sample the emitter, and with which a camera path that continues from there
 // with density 1 would hit it, both divided by E.
 vec2 light_ratios(vertex v, uint from, float distance, float first, float second)

@@ -191,8 +191,8 @@ uvec2 long_uniform(float u, float extra)
     return uvec2(min(uint(u * 16777216.0) << 8u | more >> 16u, 0xfffffffeu), more & 0xffffu);
 }
 
-// Returns the unit direction of the image with this 1 - cos of the angle from a pole, and this
-// longitude.
+// Returns a unit direction of the image. versine: 1 - cos of the angle from the upper or the lower
+// pole; turns: the longitude.
 vec3 environment_direction(bool below, float versine, float turns)
 {
     float radius = sqrt(versine * (2.0 - versine));

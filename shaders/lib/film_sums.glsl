@@ -1,5 +1,5 @@
-// Adding to sums of the film, and reading them. shared/film_sums.h describes their representation.
-// Pure functions.
+// Adds values to sums of the film, and reads the sums. shared/film_sums.h describes their
+// representation. Pure functions.
 #ifndef FILM_SUMS_GLSL
 #define FILM_SUMS_GLSL
 
@@ -96,7 +96,7 @@ float film_mean(uvec4 bins, uint top, float samples)
         words.y += words.x == 0u ? 1u : 0u;
         words.z += words.x == 0u && words.y == 0u ? 1u : 0u;
     }
-    // The highest 32 bits; the lowest of them is set if any lower bit is set.
+    // `head` gets the highest 32 significant bits. Its lowest bit is set if any lower bit is set.
     uvec3 shifted = words.z != 0u ? words : words.y != 0u ? uvec3(0u, words.xy)
                                                           : uvec3(0u, 0u, words.x);
     int skipped = words.z != 0u ? 64 : words.y != 0u ? 32 : 0;
@@ -106,7 +106,7 @@ float film_mean(uvec4 bins, uint top, float samples)
     uint left = uint(31 - most);
     uint head = shifted.z << left | shifted.y >> 1u >> (31u - left);
     head |= (shifted.y << left | shifted.x) != 0u ? 1u : 0u;
-    // In two steps, because the power of two may be out of range for one float.
+    // The scaling takes two steps, because the power of two may be out of range for one float.
     int exponent = skipped + most - 31 + FILM_LEAST_EXPONENT + 32 * (int(top) - 1);
     int first = exponent / 2;
     precise float mean = float(head) / samples * film_power_of_two(first) *

@@ -6,7 +6,7 @@
 #include "lib/angle.glsl"
 #include "lib/buffers.glsl"
 
-// Density 1 - |x| in [-1, 1], by inversion.
+// Samples the density 1 - |x| in [-1, 1] by inversion.
 vec2 sample_tent(vec2 u)
 {
     vec2 t = 2.0 * u - 1.0;
@@ -14,16 +14,17 @@ vec2 sample_tent(vec2 u)
     return sign(t) * (1.0 - sqrt(rest));
 }
 
-// Density exp(-9/2 r^2) in the unit disc, a Gaussian whose standard deviation is a third of the
-// radius (Box and Muller 1958). It is truncated at the radius; exp(-9/2) = 1.1 % would be beyond.
+// Samples the density exp(-9/2 r^2) in the unit disc (Box and Muller 1958). This is a Gaussian
+// whose standard deviation is a third of the radius, truncated at the radius; the fraction beyond
+// would be exp(-9/2) = 1.1 %.
 vec2 sample_gaussian(vec2 u)
 {
     float r = sqrt(-2.0 / 9.0 * log(1.0 - u.x * 0.98889100346175773));
     return r * cos_sin_turns(u.y);
 }
 
-// Density w(x) = 1 + sum a_k cos(k pi x), k = 1 .. 3, in [-1, 1]: the four-term window with side
-// lobes of -92 dB (Harris 1978, "On the use of windows for harmonic analysis", table 1).
+// Samples the density w(x) = 1 + sum a_k cos(k pi x), k = 1 .. 3, in [-1, 1]: the four-term window
+// with side lobes of -92 dB (Harris 1978, "On the use of windows for harmonic analysis", table 1).
 float sample_blackman_harris(float u)
 {
     const vec4 a = vec4(0.35875, 0.48829, 0.14128, 0.01168) / 0.35875;

@@ -35,14 +35,14 @@ float fresnel_dielectric(float cos_i, float eta, out float cos_t)
     return g2 > 0.0 || k == 0.0 ? fresnel_refracted(cos_i, cos_t, eta) : 1.0;
 }
 
-// Reflectance at normal incidence.
+// Returns the reflectance at normal incidence.
 float fresnel_f0(float eta)
 {
     float r = (eta - 1.0) / (eta + 1.0);
     return r * r;
 }
 
-// (1 - cos_theta)^5 of Schlick 1994, eq. 15.
+// Returns (1 - cos_theta)^5, as in Schlick 1994, eq. 15.
 float schlick_weight(float cos_theta)
 {
     float m = 1.0 - clamp(cos_theta, 0.0, 1.0);
@@ -50,7 +50,7 @@ float schlick_weight(float cos_theta)
     return m2 * m2 * m;
 }
 
-// Schlick 1994, eq. 15.
+// Returns the approximate reflectance of Schlick 1994, eq. 15.
 vec3 fresnel_schlick(vec3 f0, float cos_theta)
 {
     return f0 + (1.0 - f0) * schlick_weight(cos_theta);
@@ -84,9 +84,9 @@ vec3 fresnel_conductor(float cos_theta, vec3 eta, vec3 k)
     return min(vec3(1.0), 0.5 * (r_s + r_p));
 }
 
-// A film of index n2 and `thickness` (nm) over a base of index n3, both relative to the medium in
-// front (n2 >= 1), for unpolarised light: Airy's sum of all reflections (Born and Wolf 1999,
-// section 7.6.1, eqs. 1 to 13) of amplitudes r12 and r23,
+// Returns the reflectance, for unpolarised light, of a film of index n2 and `thickness` (nm) over a
+// base of index n3. Both indices are relative to the medium in front (n2 >= 1). It is Airy's sum of
+// all reflections (Born and Wolf 1999, section 7.6.1, eqs. 1 to 13) of amplitudes r12 and r23,
 //   R = (r12^2 + r23^2 + 2 r12 r23 V cos(phi)) / (1 + r12^2 r23^2 + 2 r12 r23 V cos(phi)),
 // phi = 4 pi n2 cos_2 thickness / wavelength, at the dominant wavelengths of Rec. 709's primaries.
 // V = exp(-(phi sigma / wavelength)^2 / 2) is the visibility of fringes over a Gaussian band whose

@@ -1,5 +1,5 @@
-// Divides samples between the two half-buffers, from which the error is estimated: the sequence of
-// a sample, and its index in that sequence. render/film.c implements the same rule.
+// Divides samples between the two half-buffers, from which the error is estimated. Returns the
+// sequence of a sample, and its index in that sequence. render/film.c implements the same rule.
 #ifndef HALVES_GLSL
 #define HALVES_GLSL
 

@@ -9,7 +9,7 @@
 // closest to the centre, the second root from the product of the roots (Haines, Günther and
 // Akenine-Möller 2019, Ray Tracing Gems, chapter 7).
 //
-// A ray that starts on this sphere has one root that is exactly 0. Only the other root counts, and
+// A ray that starts on the sphere has one root that is exactly 0. Only the other root counts, and
 // only if it exceeds the rounding error, so that rounding does not decide whether the ray leaves.
 // If the sphere is smaller than the rounding error of its position, the side on which the ray
 // starts is more reliable than its direction.

@@ -48,9 +48,9 @@ void interval_cut(inout interval i, float near, float near_face, float far, floa
     i.far = sooner ? far : i.far;
 }
 
-// Returns whether a ray leaves the face on which it starts. `height` is that of its origin above
-// the face, of which only the sign is used; `rise` is its speed away from the face; below
-// slope_error the speed is not significant.
+// Returns whether a ray leaves the face on which it starts. `height` is the height of the ray's
+// origin above the face; only its sign is used. `rise` is the ray's speed away from the face; a
+// speed below slope_error is not significant.
 bool leaves_face(float height, float rise, float slope_error)
 {
     return rise > (height > 0.0 ? -slope_error : slope_error);
@@ -132,7 +132,7 @@ struct round_ray {
     vec3 d;          // the direction, without its component along the axis
     float a, b;      // d.d, -f.d
     vec2 t;          // distances of the crossings, in order
-    bool misses;     // or the ray leaves the cylinder
+    bool misses;     // the ray misses the cylinder, or leaves it
     bool is_along;   // parallel to the axis: the ray is always inside or always outside
 };
 
@@ -208,7 +208,7 @@ crossings intersect_cylinder(vec3 origin, vec3 direction, vec3 center, vec3 half
     return interval_ends(i);
 }
 
-// Tests the side only.
+// Tests an open cylinder, which is a side without caps.
 crossings intersect_tube(vec3 origin, vec3 direction, vec3 center, vec3 half_axis, float radius,
                          bool starts_here)
 {

@@ -2,12 +2,12 @@
 //
 // The edge functions of an edge shared by two triangles are exact negatives of each other, because
 // a * b - c * d is rounded in the same way in both (`precise` forbids contraction); so no ray
-// passes between the triangles. Zero counts as inside. The fallback to double precision of the
-// original is omitted: it affects which of two neighbours is hit, not whether one is hit.
+// passes between the triangles. Zero counts as inside. The original's fallback to double precision
+// is omitted, because it affects which of two neighbours is hit, not whether one is hit.
 #ifndef INTERSECT_TRIANGLE_GLSL
 #define INTERSECT_TRIANGLE_GLSL
 
-// The ray's own frame: its longest component becomes z, and a shear makes x and y 0.
+// The ray's own frame: the direction's longest component becomes z, and a shear makes x and y 0.
 struct triangle_frame {
     bool swap_x, swap_y; // exchange z with x, or with y
     vec3 shear;          // x/z, y/z, 1/z of the direction
@@ -48,8 +48,8 @@ bool intersect_corners(vec3 a, vec3 b, vec3 c, out float t, out vec2 uv)
     return same_side && determinant != 0.0;
 }
 
-// Two-sided. On a hit `t` is in units of the direction's length and `uv` are the barycentric
-// coordinates of v1 and v2.
+// Tests both sides of a triangle. On a hit `t` is in units of the direction's length and `uv` are
+// the barycentric coordinates of v1 and v2.
 bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec3 v2, out float t,
                         out vec2 uv)
 {

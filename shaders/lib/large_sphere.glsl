@@ -1,6 +1,6 @@
-// Intersection with spheres whose equation needs more than single precision: for a ground of radius
-// 1e6 m, seen from a height of 2 m, it is the difference of two numbers of 1e12 m^2. Pure
-// functions.
+// Intersection with spheres whose quadratic equation needs more than single precision. For a ground
+// of radius 1e6 m, seen from a height of 2 m, its constant term is the difference of two numbers of
+// 1e12 m^2. Pure functions.
 #ifndef LARGE_SPHERE_GLSL
 #define LARGE_SPHERE_GLSL
 
@@ -25,7 +25,7 @@ exact_sphere exact_sphere_from(vec3 point, vec3 center, float radius)
                         unit);
 }
 
-// f.f - r^2: negative inside.
+// Returns f.f - r^2, where f is the vector from the centre. It is negative inside.
 vec2 sphere_power(exact_sphere s)
 {
     vec2 square = dot_exactly(s.high, s.high);

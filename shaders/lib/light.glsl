@@ -79,8 +79,8 @@ float pdf_light_at(vec3 origin, float distance, float cos_light, float radius, v
     return pdf_area_to_solid_angle(pick_density, distance, cos_light);
 }
 
-// Returns the same density for the unit direction `direction`, in which the ray hits the surface
-// `s` at `distance`.
+// Returns the density of pdf_light_at() for the unit direction `direction`, in which the ray hits
+// the surface `s` at `distance`.
 float pdf_light(vec3 origin, vec3 direction, float distance, surface s, uint primitive,
                 float pick_density)
 {
@@ -110,8 +110,8 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     }
 }
 
-// Multiplies the emission of a sampled primitive by its textures and by its opacity. The latter is
-// correct on average, because the shadow ray does not test the emitter at its end.
+// Multiplies the emission of a sampled primitive by its textures and by its opacity. The factor of
+// opacity is correct on average, because the shadow ray does not test the emitter at its end.
 void texture_light(vec3 origin, inout light_sample l)
 {
     vec3 point = origin + l.to_light;
@@ -196,7 +196,8 @@ void sample_point_light(vec3 origin, uint index, light_choice choice, vec2 u, in
 
 void sample_environment_light(float pick, vec2 u, inout light_sample l)
 {
-    // Further bits below those of u, for the environment's texels; they need not be stratified.
+    // `more` supplies bits below those of u, for the environment's texels. They need not be
+    // stratified.
     uvec4 more = pcg4d(uvec4(floatBitsToUint(u), 0u, 0u));
     vec3 direction;
     vec2 low = vec2(more.xy >> 8u) * 5.9604644775390625e-8;
@@ -269,20 +270,21 @@ light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
         sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, choice, u, l);
     if (is_environment)
         sample_environment_light(choice.of_lamp ? 1.0 : frame.environment_pick, u, l);
-#ifdef PLANTED_PDF_FACTOR // for tests of tests: is an estimator with this error detected?
+#ifdef PLANTED_PDF_FACTOR // planted fault, which tests must detect: a wrong density
     l.pdf *= PLANTED_PDF_FACTOR;
 #endif
     return l;
 }
 
-// u: emitter; point on it x, y; more bits of the first.
+// Samples a point on an emitter. u: selects the emitter; the point on it, x, y; more bits for the
+// emitter.
 light_sample sample_light(receiver r, vec4 u)
 {
     return sample_emitter(r.position, choose_light(r, u.xw), u.yz);
 }
 
-// Samples a point on a lamp, when each lamp has its own shadow ray. u.xy: point on the emitter;
-// u.zw: choice of an emitter of the lamp.
+// Samples a point on a lamp, when each lamp has its own shadow ray. u.xy selects the point on the
+// emitter, u.zw the emitter of the lamp.
 light_sample sample_lamp(receiver r, uint lamp, vec4 u)
 {
     float probability;

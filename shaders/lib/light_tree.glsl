@@ -41,7 +41,7 @@ float light_importance(uint at, receiver r)
     float cos_e = float(word.y >> 16u & 0x7fffu) * (2.0 / LIGHT_COS_E_SCALE) - 1.0;
     vec3 to_point = r.position - sphere.xyz;
     float distance2 = dot(to_point, to_point), radius2 = sphere.w * sphere.w;
-    // Half the angle at which the bounds are seen.
+    // The angle b is half the angle that the bounds subtend.
     bool outside = distance2 > radius2;
     float sin2_b = outside ? radius2 / distance2 : 0.0;
     float sin_b = sqrt(sin2_b);
@@ -67,10 +67,10 @@ float light_importance(uint at, receiver r)
     return importance * uintBitsToFloat(word.z) / max(max(distance2, radius2), 1.17549435e-38);
 }
 
-// How the two children of a pair share their parent's probability. The less probable child comes
-// first; the other one receives the remainder, so that rounding loses nothing.
+// The division of a parent's probability between the two children of a pair. The less probable
+// child comes first; the other one receives the remainder, so that rounding loses nothing.
 struct light_fork {
-    float smaller; // probability of the less probable child; 0 also if both are 0
+    float smaller; // probability of the less probable child; undefined if `dark`
     uint first;    // index of that child
     bool dark;     // neither child contributes
 };
@@ -181,7 +181,8 @@ float probability_in_tree(receiver r, uint emitter)
     return width_below(head.x, 0u, trail, r, 1.0 - load_emitters_float(1u).x);
 }
 
-// Selects an emitter of a lamp by two uniforms, in the same way.
+// Selects an emitter of a lamp by two uniforms. Returns its primitive word and its probability,
+// which is 0 if no emitter of the lamp contributes.
 uint choose_in_lamp(uint lamp, receiver r, vec2 u, out float probability)
 {
     uvec4 own = load_emitters(load_emitters(1u).y + lamp);

@@ -33,7 +33,7 @@ uint media_enter(uint stack, uint number)
     return stack << 8u | number;
 }
 
-// Removes the latest entry with this number. *found: whether there was one.
+// Removes the latest entry with this number. found: is set to whether there was such an entry.
 uint media_leave(uint stack, uint number, out bool found)
 {
     found = false;

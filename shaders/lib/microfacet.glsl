@@ -2,8 +2,9 @@
 // after Burley 2012, appendix B.2, with Smith's masking (Heitz 2014). Pure functions.
 //
 // Directions are unit vectors of the local frame, z along the macroscopic normal; h is a
-// microfacet's normal, h.z >= 0. alpha = (alpha_x, alpha_y) from 1e-4 on: below, single precision
-// does not resolve the highlight, and callers take a perfect reflection instead.
+// microfacet's normal, h.z >= 0. Both components of alpha = (alpha_x, alpha_y) are at least 1e-4.
+// Below that, single precision does not resolve the highlight, and callers use a perfect reflection
+// instead.
 #ifndef MICROFACET_GLSL
 #define MICROFACET_GLSL
 
@@ -12,7 +13,7 @@
 
 const float SMALLEST_ALPHA = 1e-4;
 
-// Density of normals, per solid angle and unit of macroscopic area:
+// Returns the density of normals, per solid angle and unit of macroscopic area:
 //   D = 1 / (pi alpha_x alpha_y t^2), t = (h.x / alpha_x)^2 + (h.y / alpha_y)^2 + h.z^2
 // (Burley 2012, eq. 13). Small sines are computed from h.x and h.y, not from 1 - h.z^2.
 float ggx_d(vec3 h, vec2 alpha)
@@ -38,17 +39,17 @@ float ggx_lambda(vec3 w, vec2 alpha)
            (cos_theta * (cos_theta + ggx_stretched_length(w, alpha)));
 }
 
-// Masking of one direction, 1 / (1 + Lambda); 0 at w.z = 0.
+// Returns the masking of one direction, 1 / (1 + Lambda), which is 0 at w.z = 0.
 float ggx_g1(vec3 w, vec2 alpha)
 {
     float cos_theta = abs(w.z);
     return 2.0 * cos_theta / (cos_theta + ggx_stretched_length(w, alpha));
 }
 
-// Masking and shadowing of two directions. On the same side: height-correlated, 1 / (1 + Lambda_o +
-// Lambda_i) (Heitz 2014, eq. 99), or separable, G1 G1. On opposite sides always separable, as in
-// Walter et al. 2007, eq. 23: points that are high for one direction are low for the other. wo.z
-// and wi.z must not both be 0.
+// Returns the masking and shadowing of two directions. On the same side they are height-correlated,
+// 1 / (1 + Lambda_o + Lambda_i) (Heitz 2014, eq. 99), or separable, G1 G1. On opposite sides they
+// are always separable, as in Walter et al. 2007, eq. 23, because points that are high for one
+// direction are low for the other. wo.z and wi.z must not both be 0.
 float ggx_g2(vec3 wo, vec3 wi, vec2 alpha, bool separable)
 {
     float cos_o = abs(wo.z);
@@ -92,8 +93,7 @@ vec3 sample_ggx_ndf(vec2 alpha, vec2 u)
     return normalize(vec3(alpha * radius * cos_sin_turns(u.y), 1.0));
 }
 
-// Samples a normal by the strategy of the setting `normals`; returns it and its density per solid
-// angle of h.
+// Samples a normal by the strategy of the setting `normals`. pdf_ggx_drawn() returns its density.
 vec3 sample_ggx_normal(vec3 wo, vec2 alpha, vec2 u)
 {
     if (NORMALS == NORMALS_NDF)
@@ -101,9 +101,9 @@ vec3 sample_ggx_normal(vec3 wo, vec2 alpha, vec2 u)
     return sample_ggx_vndf(wo, alpha, u);
 }
 
-// Returns the density with which a normal is sampled by that strategy. `visible` is the density of
-// visible normals, which the caller has. scale: the solid angle of h per unit of the densities'
-// common measure.
+// Returns the density of a normal sampled by sample_ggx_normal(). `visible` is the density if
+// visible normals are sampled. scale: the solid angle of h per unit of the densities' common
+// measure.
 float pdf_ggx_drawn(float visible, vec3 h, vec2 alpha, float scale)
 {
     return NORMALS == NORMALS_NDF ? ggx_d(h, alpha) * h.z * scale : visible;
@@ -132,7 +132,8 @@ float pdf_ggx_reflection(vec3 wo, vec3 h, vec2 alpha)
 // |a|^2 - |b|^2 = 0.
 
 // Returns the normal halfway between two directions on the same side, and in w its cosine with
-// either of them, half the length of their sum. 0 if they are opposite in single precision.
+// either of them, half the length of their sum. The result is 0 if they are opposite in single
+// precision.
 vec4 reflection_half_vector(vec3 wo, vec3 wi)
 {
     vec3 sum = wo + wi;

@@ -45,8 +45,9 @@ bool sent_shadow_rays(float bsdf_pdf)
     return HAS(FEATURE_NEE) && bsdf_pdf > 0.0;
 }
 
-// Returns the probability with which that vertex would have selected an infinitely far emitter;
-// `recorded` is that of vertices without a ray to each lamp; 0 if it is not sampled.
+// Returns the probability with which the vertex at which the ray of this bounce starts would have
+// selected an infinitely far emitter. `recorded` is the probability at vertices without a ray to
+// each lamp; it is 0 if the emitter is not sampled.
 float pick_of_far(float recorded)
 {
     if (LIGHT_CHOICE == LIGHT_CHOICE_ALL)

@@ -38,7 +38,7 @@ struct principled {
     bool is_delta;
     bool thin;
     bool separable;
-    bool is_gltf; // mixed as in glTF's appendix B, not as by Burley
+    bool is_gltf; // layers are combined as in glTF's appendix B, not as by Burley
     // The diffuse part, and its weights.
     vec3 below; // (1 - metallic) (1 - transmission) K
     vec3 sheen;
@@ -235,7 +235,7 @@ float coat_fresnel(principled p, float cosine)
     return f;
 }
 
-// The albedo of a coat of weight 1 with the exact reflectance.
+// Returns the albedo of a coat of weight 1 with the exact reflectance.
 float coat_albedo_exact(principled p, float mu, float gloss)
 {
     if (!p.coat_ggx)
@@ -381,10 +381,10 @@ vec2 principled_albedo_lossless(principled p, material m, vec3 wo, float alpha)
     return min(vec2(1.0), factor * vec2(albedo_glass(p.tables, wo.z, alpha, p.eta), clear));
 }
 
-// Returns the albedo, per channel, of such an interface with this material's reflectance. It is
-// linear in the reflectance: between the albedo for Fresnel's reflectance and E1, which is that for
-// F = 1; and, by the specular weight, between this value and the albedo without reflection. e1 is
-// E1.
+// Returns the albedo, per channel, of a transmitting interface with this material's reflectance. It
+// is linear in the reflectance: between the albedo for Fresnel's reflectance and E1, which is that
+// for F = 1; and, by the specular weight, between this value and the albedo without reflection. e1
+// is E1.
 vec3 principled_albedo_through(principled p, material m, vec3 wo, float alpha, float e1)
 {
     if (p.thin)
@@ -400,11 +400,11 @@ vec3 principled_albedo_through(principled p, material m, vec3 wo, float alpha, f
 }
 
 // Sets how the base is sampled, and sampled again, if transmission loses no energy. The probability
-// of reflection is that of Fresnel's equations, averaged over the channels. If transmission is
-// tinted or something else reflects, too, it is greater: a fraction of the light that Fresnel's
-// equations transmit is reflected as well, so that for light from above the weights of both are
-// those of their means. The probability that a try survives is linear in the probability of
-// reflection, like the albedo.
+// of reflection is that of Fresnel's equations, averaged over the channels. It is greater if
+// transmission is tinted or a metal reflects, too: then a fraction of the light that Fresnel's
+// equations transmit is also reflected. At normal incidence the probabilities are therefore
+// proportional to the mean reflectance and the mean transmittance. The probability that a try
+// survives is linear in the probability of reflection, like the albedo.
 void prepare_tries(inout precise principled p, vec3 albedo, float e1)
 {
     float f0 = p.specular_weight * mean_channel(p.f0);
@@ -475,8 +475,8 @@ void prepare_diffuse(inout precise principled p, material m, float mu)
     p.p_through = p.base_layer * p.diffuse_transmission * mean_channel(p.below * rest);
 }
 
-// Keeps only the lobes of the part to which the material is restricted. If that is the diffuse
-// part, there is nothing to evaluate in the specular lobes, as for delta lobes.
+// Keeps only the lobes of the part to which the material is restricted. For the diffuse part, the
+// specular lobes are marked as delta lobes, so that they are not evaluated.
 void prepare_part(inout precise principled p, material m)
 {
     if (is_part(m, MATERIAL_DIFFUSE_PART)) {

@@ -43,7 +43,8 @@ vec3 clamp_contribution(vec3 contribution)
 
 // --- by class ------------------------------------------------------------------------------------
 
-// number: index of the class among all requested ones (shared/aov.h).
+// Adds a contribution to one class. number: index of the class among all requested ones
+// (shared/aov.h).
 void add_to_class(uint slot, uint number, vec3 contribution)
 {
     uint word = slot * SLOT_WORDS + AOV_SLOT_CLASSES_AT(AOVS) + number;
@@ -51,7 +52,8 @@ void add_to_class(uint slot, uint number, vec3 contribution)
     radiance_words[word] = uvec4(floatBitsToUint(sum), 0u);
 }
 
-// `emitter`: BY_EMITTER_*. Scattering events are counted as in add_part().
+// Adds a contribution to one class of each requested kind. emitter: BY_EMITTER_*. Scattering events
+// are counted as in add_part().
 void add_to_classes(uint slot, vec3 contribution, uint emitter)
 {
     if (HAS_AOV(AOV_BY_PART))
@@ -96,8 +98,8 @@ void keep_brightest(uint slot, vec3 contribution, uint site, uint emitter)
 // -------------------------------------------------------------------------------------------------
 
 // Adds to the slot's radiance, in the order of the dispatches. If the sum would not be finite,
-// drops the contribution, which w records. emitter: BY_EMITTER_* of the source. Returns the value
-// that was added.
+// drops the contribution, and records this in w. emitter: BY_EMITTER_* of the source. Returns the
+// value that was added.
 vec3 add_radiance(uint slot, vec3 contribution, uint site, uint emitter)
 {
     if (HAS(FEATURE_CLAMP))

@@ -11,7 +11,8 @@ const uint DIMENSION_FIRST_BOUNCE = 1u; // then DIMENSIONS_A_BOUNCE for each bou
 const uint DIMENSIONS_A_BOUNCE = 3u;
 const uint DIMENSION_LIGHT = 0u; // emitter; point on it x, y; roulette
 const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
-const uint DIMENSION_EXTRA = 2u; // in the emitter's bin; dispersion; direction strategy; unused
+const uint DIMENSION_EXTRA = 2u; // more bits for the emitter; dispersion; direction strategy;
+                                 // unused
 const uint DIMENSION_LIGHT_PATH = DIMENSIONS_OF_LIGHT_PATHS; // see light_path_dimension()
 const uint DIMENSION_PIXEL = DIMENSIONS_OF_PIXELS; // position in a stratum x, y:
                                                    // pixel_sampling.glsl
@@ -23,10 +24,10 @@ uint bounce_dimension(uint bounce, uint use)
     return DIMENSION_FIRST_BOUNCE + bounce * DIMENSIONS_A_BOUNCE + use;
 }
 
-// Light paths have dimensions separate from those of camera paths. First: emitter, point on it x,
-// y, more bits of the emitter; then direction x, y, its side, unused. Each bounce has the
-// dimensions of a camera path's, except that the first three of DIMENSION_LIGHT are the point on
-// the lens x, y and the position in the pixel filter.
+// Light paths have dimensions separate from those of camera paths. The first dimension gives the
+// emitter, the point on it x, y, and more bits for the emitter. The second gives the direction x, y
+// and its side. Each bounce has the dimensions of a camera path's bounce, except that the first
+// three of DIMENSION_LIGHT are the point on the lens x, y and the position in the pixel filter.
 uint light_path_dimension(uint bounce, uint use)
 {
     return DIMENSION_LIGHT_PATH + 1u + bounce_dimension(bounce, use);
@@ -39,7 +40,8 @@ uint light_dimension(uint bounce, uint light)
     return DIMENSION_ALL_LIGHTS + bounce * LIGHT_RAYS + light;
 }
 
-// pcg4d, Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", listing in section 4.
+// Returns the hash pcg4d (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", listing in
+// section 4).
 uvec4 pcg4d(uvec4 v)
 {
     v = v * 1664525u + 1013904223u;

@@ -17,9 +17,9 @@ vec3 next_float_towards(vec3 value, vec3 sign_of)
     return mix(stepped, sign(sign_of) * smallest_normal, equal(value, vec3(0.0)));
 }
 
-// Moves `point`, which is known to +-error per component, along the unit geometric normal until no
-// point of the error box is on the wrong side, and rounds away from the surface. `side` is any
-// vector to the side on which the ray leaves (Pharr, Jakob, Humphreys 2023, section 6.8.6).
+// Moves `point`, which is known to within +-error per component, along the unit geometric normal
+// until no point of the error box is on the wrong side, and rounds away from the surface. `side` is
+// any vector to the side on which the ray leaves (Pharr, Jakob, Humphreys 2023, section 6.8.6).
 vec3 offset_origin(vec3 point, vec3 error, vec3 normal, vec3 side)
 {
     vec3 n = dot(side, normal) < 0.0 ? -normal : normal;

@@ -5,14 +5,14 @@
 #include "lib/media.glsl"
 #include "lib/random.glsl"
 
-// Replaces the pixel's number if all pixels share a random number; greater than every pixel's
+// Replaces the pixel's number if all pixels share a random number. It is greater than every pixel's
 // number.
 const uint NO_PIXEL = 0xffffffffu;
 
 // Russian roulette (Arvo and Kirk 1990): the throughput of a survivor is divided by its probability
-// of survival. This follows from the throughput or is constant, independently for each path, or
-// with one decision for all pixels of a sample number. The depth at which these end depends only on
-// (seed, sample).
+// of survival. The probability follows from the throughput, or it is constant. With a constant
+// probability, each path decides independently, or all pixels share one decision per sample number.
+// In the latter case the depth at which paths end depends only on (seed, sample).
 //
 // Refraction into a medium of index n divides the throughput by n^2, and refraction out of it
 // multiplies it by n^2. `scale` undoes the division, so that paths in glass do not end because of

@@ -1,4 +1,4 @@
-// The uniforms of a path, from the chosen sampler: see docs/sampling.md.
+// The uniforms of a path, from the chosen sampler. docs/sampling.md describes the samplers.
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 
@@ -71,7 +71,7 @@ uint digits_1(uint n)
     return n ^ n >> 1u & 0x55555555u;
 }
 
-// p = x^2 + x + 1: by p^8 = x^16 + x^8 + 1, then p^4, p^2, p.
+// p = x^2 + x + 1. Divides by p^8 = x^16 + x^8 + 1, then by p^4, p^2 and p.
 uint digits_2(uint n)
 {
     uint q = n >> 16u;
@@ -88,7 +88,7 @@ uint digits_2(uint n)
     return n ^ q ^ q << 1u;
 }
 
-// p = x^3 + x + 1: by p^8 = x^24 + x^8 + 1, then p^4, p^2, p.
+// p = x^3 + x + 1. Divides by p^8 = x^24 + x^8 + 1, then by p^4, p^2 and p.
 uint digits_3(uint n)
 {
     uint q = n >> 24u;
@@ -109,7 +109,7 @@ uint digits_3(uint n)
 // different dimension numbers independent of each other.
 vec4 sobol_4d(uint index, uvec4 keys)
 {
-    // A further step of pcg4d().
+    // `order` is computed by a further step of pcg4d().
     uint order = keys.x + keys.y * keys.w;
     uint n = bitfieldReverse(scramble(uvec4(bitfieldReverse(index)), uvec4(order)).x);
     uvec4 digits = uvec4(n, digits_1(n), digits_2(n), digits_3(n));
@@ -178,9 +178,9 @@ vec2 stratum_point(uint cell, uint columns, uint rows, uvec2 keys, vec2 jitter)
     return min(u, 16777215.0) * 5.9604644775390625e-8;
 }
 
-// Components x and y are a point of one set of strata, z and w of another. If the samples do not
-// fill all cells, random cells remain empty. Samples beyond the planned number have their own
-// strata; if the number is not known, all samples are independent.
+// Returns two points: x and y are a point of one set of strata, z and w of another. If the samples
+// do not fill all cells, random cells remain empty. Samples beyond the planned number have their
+// own strata; if the number is not known, all samples are independent.
 vec4 stratified(uint pixel, uint sample_index, sequence_place place, uint dimension)
 {
     vec4 independent = random_4d(frame.seed, pixel, sample_index, dimension);
@@ -201,9 +201,10 @@ vec4 stratified(uint pixel, uint sample_index, sequence_place place, uint dimens
 
 // --- a linear congruential generator -------------------------------------------------------------
 
-// For comparison. The seed comes from eight rounds of the Tiny Encryption Algorithm (Wheeler and
-// Needham 1994), as Zafar, Olano and Curtis 2010 propose. Then four steps of the generator of
-// Numerical Recipes (1992, section 7.1) follow, with a new seed for each dimension number.
+// A simple generator, for comparison. The seed comes from eight rounds of the Tiny Encryption
+// Algorithm (Wheeler and Needham 1994), as Zafar, Olano and Curtis 2010 propose. Then four steps of
+// the generator of Numerical Recipes (1992, section 7.1) follow, with a new seed for each dimension
+// number.
 vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
 {
     uvec2 v = uvec2(pixel, sample_index);
@@ -234,10 +235,9 @@ float sine_of(float radians)
     return cos_sin_turns(fract(turns.x) + fract(rest)).y;
 }
 
-// For comparison: fract(43758.5453 sin(12.9898 x + 78.233 y + ...)), which is passed on among
-// tutorials on shaders. A product of that size is a multiple of 2^-8 if the sine is near 1, and
-// similar arguments have similar results: the numbers are neither uniform nor independent
-// (docs/sampling.md).
+// Returns, for comparison, fract(43758.5453 sin(12.9898 x + 78.233 y + ...)), which many tutorials
+// on shaders use. The product is a multiple of 2^-8 if the sine is near 1, and similar arguments
+// have similar results. So the numbers are neither uniform nor independent (docs/sampling.md).
 vec4 random_sine(uint pixel, uint sample_index, uint dimension)
 {
     uint x = pixel % frame.picture_width, y = pixel / frame.picture_width;

@@ -16,13 +16,13 @@ mat3 basis_around(vec3 n)
                 vec3(b, s + n.y * n.y * a, -n.y), n);
 }
 
-// Uniform in the unit disc, by polar coordinates.
+// Samples the unit disc uniformly, by polar coordinates.
 vec2 sample_disc(vec2 u)
 {
     return sqrt(u.x) * cos_sin_turns(u.y);
 }
 
-// About +z, density cos(theta) / pi per solid angle (Malley's method).
+// Samples the hemisphere about +z with density cos(theta) / pi per solid angle (Malley's method).
 vec3 sample_cosine_hemisphere(vec2 u)
 {
     vec2 d = sample_disc(u);
@@ -34,7 +34,7 @@ float pdf_cosine_hemisphere(float cos_theta)
     return cos_theta * INV_PI;
 }
 
-// Uniform in the hemisphere about +z, by height.
+// Samples the hemisphere about +z uniformly. u.x selects the height, u.y the azimuth.
 vec3 sample_hemisphere(vec2 u)
 {
     return vec3(sqrt(u.x * (2.0 - u.x)) * cos_sin_turns(u.y), 1.0 - u.x);
@@ -47,7 +47,8 @@ vec3 sample_sphere(vec2 u)
     return vec3(radius * cos_sin_turns(u.y), z);
 }
 
-// Uniform barycentric coordinates of corners 1 and 2 (Turk 1990, Graphics Gems, p. 24).
+// Samples a triangle uniformly: returns the barycentric coordinates of corners 1 and 2 (Turk 1990,
+// Graphics Gems, p. 24).
 vec2 sample_triangle(vec2 u)
 {
     float root = sqrt(u.x);

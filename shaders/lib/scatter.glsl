@@ -53,8 +53,8 @@ float ratio_onwards(vertex v, vec3 direction, float pdf, bool passes)
     return reversed > 0.0 ? v.ratio * (reversed / pdf) : 0.0;
 }
 
-// Continues the path in slot v.slot; false if it ends. stack: media before the surface; u_roulette:
-// decides whether the path survives.
+// Continues the path in slot v.slot. Returns false if it ends. stack: media before the surface;
+// u_roulette: decides whether the path survives.
 bool go_on(vertex v, vec3 direction, bool passes, uint stack, vec4 u, float u_part,
            float u_roulette)
 {

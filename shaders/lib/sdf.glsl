@@ -8,9 +8,9 @@
 #include "lib/primitive.glsl"
 #include "shared/sdf.h"
 
-// Number of loop iterations so far, because drivers may limit those of an invocation. On drivers
-// that mask lanes (lavapipe) the loops of all operations count once for each instruction, whatever
-// the instruction is.
+// The number of loop iterations so far. They are counted because drivers may limit the iterations
+// of an invocation. On drivers that mask lanes (lavapipe) the loops of all operations count once
+// for each instruction, whatever the instruction is.
 uint sdf_rounds = 0u;
 const uint SDF_INNER_LOOPS = (HAS_SDF(SDF_BIT(SDF_METABALLS)) ? 1u : 0u) +
                              (HAS_SDF(SDF_BIT(SDF_MANDELBULB)) ? 1u : 0u) +
@@ -19,7 +19,7 @@ const uint SDF_INNER_LOOPS = (HAS_SDF(SDF_BIT(SDF_METABALLS)) ? 1u : 0u) +
                              (HAS_SDF(SDF_BIT(SDF_PYRAMID)) ? 1u : 0u);
 
 struct sdf_field {
-    vec4 to_object[3]; // linear part, and the vector that is subtracted before
+    vec4 to_object[3]; // linear part, and in w the vector that is subtracted first
     vec3 low, high;    // its box
     uint first, count; // instructions
     float scale;       // world lengths per metre of the field
@@ -138,7 +138,7 @@ float sdf_plane(const vec3 p, const vec3 a, const vec4 b)
     return dot(p, a) - b.x;
 }
 
-// Cosine and sine of an angle in radians.
+// Returns cosine and sine of an angle in radians.
 vec2 cos_sin(float angle)
 {
     float turns = angle * (0.5 * INV_PI);
@@ -347,8 +347,8 @@ float sdf_balls(uint at, uint count, vec3 p, vec3 a)
     return sdf_metaballs(sums, a);
 }
 
-// Returns the distance after an operation on the last one, or on the last two; `below` is the one
-// before the last.
+// Returns the result of an operation on the last distance or on the last two; `below` is the
+// distance before the last.
 float sdf_change(uint op, float below, float last, float k, float width)
 {
     float d = last;

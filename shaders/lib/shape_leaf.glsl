@@ -23,8 +23,8 @@ void cross_where_there(trace_ray ray, shape_record shape, uint primitive, inout 
     c.first_at = c.second_at;
 }
 
-// Returns false if the iteration budget was used up inside a distance field; `march` is then the
-// position reached.
+// Intersects the ray with a shape. Returns false if the iteration budget was used up inside a
+// distance field; `march` is then the position reached.
 bool intersect_shape_leaf(trace_ray ray, uint index, inout float march, inout uint iterations,
                           inout trace_hit best)
 {

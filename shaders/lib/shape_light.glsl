@@ -86,8 +86,8 @@ bool is_convex_light(uint kind)
            (HAS_EMITTER(EMITTER_CYLINDERS) && kind == SHAPE_KIND_CYLINDER);
 }
 
-// The visible part of such a shape. Seen from outside, sides that face away are hidden; seen from
-// inside, none.
+// The visible part of a box or a closed cylinder. Seen from outside, sides that face away are
+// hidden; seen from inside, no side is hidden.
 struct shape_sight {
     bool is_outside;
     vec3 areas;  // visible areas: of a box's faces across each axis; of a cylinder's side and caps
@@ -187,8 +187,8 @@ shape_point sample_quad(shape_record shape, vec3 origin, vec2 u, out float solid
     return shape_point(at.x * shape.axis + at.y * shape.other, quad_normal(shape), at);
 }
 
-// The first uniform selects the axis; its remainder is used again: for points inside, to select the
-// sign of the face as well.
+// The first uniform selects the axis. Its remainder gives a coordinate on the face and, for points
+// inside, the sign of the face as well.
 shape_point sample_box(shape_record shape, vec3 origin, vec2 u)
 {
     box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);
@@ -217,7 +217,8 @@ vec3 around(vec3 x, vec3 y, float turns)
     return v.x * x + v.y * y;
 }
 
-// Returns the point of a cylinder's side that has a fraction `pick` of the visible side below it.
+// Returns the point of a cylinder's side that has the area `pick` of the visible area `side` below
+// it.
 shape_point side_point(shape_record shape, vec3 outwards, float pick, float side)
 {
     float along = min(2.0 * pick / side - 1.0, 1.0);

@@ -44,7 +44,8 @@ crossings crossing_at(float t)
     return crossings(t, -1.0, vec2(0.0), vec2(0.0));
 }
 
-// Distance fields are handled by lib/sdf_march.glsl. starts_here: the ray starts on this shape.
+// Returns the crossings of a ray with any shape except distance fields, for which see
+// lib/sdf_march.glsl. starts_here: the ray starts on this shape.
 crossings cross_shape(vec3 origin, vec3 direction, shape_record shape, bool starts_here)
 {
     crossings c = crossing_at(-1.0);

@@ -1,4 +1,4 @@
-// The surface point of a hit on a shape.
+// Computes the surface point of a hit on a shape.
 #ifndef SHAPE_SURFACE_GLSL
 #define SHAPE_SURFACE_GLSL
 
@@ -60,8 +60,8 @@ void place_on_plane(vec3 right, inout surface s)
     s.tangent = vec4(right, 1.0);
 }
 
-// A quad: u increases along the first edge; the top of the image is at the end of the second. `at`:
-// a and b of intersect_quad().
+// On a quad, u increases along the first edge, and the top of the image is at the end of the second
+// edge. at: a and b of intersect_quad().
 void place_on_quad(shape_record shape, vec2 at, inout surface s)
 {
     s.uv0 = vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y);
@@ -85,10 +85,10 @@ void place_on_box(box_frame b, float face, vec3 along, inout surface s)
     s.tangent = vec4(right_sign * b.axis[right], 1.0);
 }
 
-// A cylinder: the side shows one image, which begins at `across`, is upright as seen from outside,
-// and has its top at the end of the half axis. Each cap shows the inscribed circle of an image, the
-// top one with its upper edge towards `across`, the bottom one with its lower edge, as if both were
-// folded away from the front.
+// The side of a cylinder shows one image, which begins at `across`, is upright as seen from
+// outside, and has its top at the end of the half axis. Each cap shows the inscribed circle of an
+// image, the top one with its upper edge towards `across`, the bottom one with its lower edge, as
+// if both were folded away from the front.
 void place_on_cylinder(shape_record shape, vec3 across, float face, float along, inout surface s)
 {
     float half_height = length(shape.axis);
@@ -176,7 +176,7 @@ void surface_of_box(vec3 point, shape_record shape, float face, inout surface s)
         place_on_box(b, face, moved, s);
 }
 
-// along: position along the axis of the point on the surface.
+// along: the surface point's position along the axis.
 void surface_of_cylinder(vec3 point, shape_record shape, float face, out float along,
                          inout surface s)
 {
@@ -185,7 +185,7 @@ void surface_of_cylinder(vec3 point, shape_record shape, float face, out float a
     vec3 f = point - s.center;
     float height = dot(f, n);
     vec3 across = f - height * n;
-    across -= dot(across, n) * n; // corrects the rounding error of the first, which is large for
+    across -= dot(across, n) * n; // corrects the error of the first subtraction, which is large for
                                   // thin cylinders
     float away = length(across);
     vec3 outwards = away > 0.0 ? across / away : basis_around(n)[0];
@@ -218,7 +218,7 @@ void surface_of_quad(shape_record shape, vec2 at, inout surface s)
     s.error = GAMMA(7) * (abs(s.center) + abs(u) + abs(v));
 }
 
-// Returns the outward normal at the point where a ray starts on a shape.
+// Returns the normal, of either sign, at the point where a ray starts on a shape.
 vec3 shape_normal_at(shape_record shape, vec3 point)
 {
     vec3 normal = shape.axis; // normal of discs and planes
@@ -243,8 +243,9 @@ vec3 shape_normal_at(shape_record shape, vec3 point)
     return normal;
 }
 
-// at: the data that the hit record has besides the distance, see struct crossings. Shapes have one
-// set of texture coordinates, and no vertex colours.
+// Returns the surface at a point of a shape. at: the data that the hit record has besides the
+// distance, see struct crossings. Shapes have one set of texture coordinates, and no vertex
+// colours.
 surface load_shape_surface(uint index, vec3 point, vec2 at)
 {
     shape_record shape = load_shape(index);

@@ -1,6 +1,7 @@
-// Lamps of triangles that are small relative to their coordinates. Their own coordinates determine
-// which triangle hides which, for which the scene's coordinates are too coarse. So occlusion by the
-// lamp itself is tested when a point on it is sampled, and the shadow ray ignores the lamp.
+// Lamps of triangles that are small relative to their coordinates. The scene's coordinates are too
+// coarse to determine which triangle hides which; records in the lamp's own coordinates are
+// accurate enough. So occlusion by the lamp itself is tested when a point on it is sampled, and the
+// shadow ray ignores the lamp.
 #ifndef SMALL_LAMP_GLSL
 #define SMALL_LAMP_GLSL
 
@@ -31,7 +32,8 @@ uint small_lamp_of(uint place)
 }
 
 // Returns whether a triangle is in the plane through `point`, like its neighbours on a flat side of
-// the lamp. At most 16 roundings of the coordinates are error; see in_plane() in lib/traverse.glsl.
+// the lamp. Heights of at most 16 roundings of the coordinates count as rounding errors; see
+// in_plane() in lib/traverse.glsl.
 bool lies_in_plane(vec3 normal, vec3 point, small_triangle t)
 {
     vec3 size = abs(t.v0) + abs(t.edge1) + abs(t.edge2) + abs(point);

@@ -50,7 +50,7 @@ seen_triangle see_triangle(vec3 from, vec3 v0, vec3 edge1, vec3 edge2)
     return s;
 }
 
-// Returns the solid angle of a triangle that is sampled by it; 0 if it is sampled by area.
+// Returns the solid angle of a triangle that is sampled by solid angle; 0 if it is sampled by area.
 float solid_angle_of(seen_triangle s)
 {
     return s.solid_angle >= SOLID_ANGLE_MIN && !s.is_near ? s.solid_angle : 0.0;
@@ -71,7 +71,7 @@ vec2 sample_seen_triangle(seen_triangle s, vec2 u)
     vec2 along = vec2(scale * x - 1.0, scale * z); // coordinates of c' along a and c
     float cos_edge = dot(s.to_v1, along.x * s.to_v0 + along.y * s.to_v2);
     float cosine = 1.0 - u.y * (1.0 - cos_edge);
-    float part = sqrt(u.y * (1.0 + cosine) / (1.0 + cos_edge)); // component of c' in the direction
+    float part = sqrt(u.y * (1.0 + cosine) / (1.0 + cos_edge)); // the sample's component along c'
     vec3 weights = vec3(part * along.x, cosine - part * cos_edge, part * along.y) / s.distances;
     weights = max(weights, vec3(0.0)); // removes negative rounding errors
     return weights.yz / (weights.x + weights.y + weights.z);

@@ -43,15 +43,15 @@ uint sort_key(vec3 origin, vec3 direction)
     return key;
 }
 
-// Stores a ray's key where its hit will be stored later: if it were computed twice, the results
-// might differ.
+// Stores a ray's key where its hit will be stored later. If the key were computed twice, the
+// results might differ.
 void store_key(uint slot, uint key)
 {
     store_path(slot, PATH_HIT, uvec4(key, 0u, 0u, NO_PRIMITIVE));
 }
 
-// The key is valid whatever was stored: the test `render order of kernels` leaves out the barrier
-// that prevents hits from being written first.
+// Returns a valid key whatever was stored, because the test `render order of kernels` leaves out
+// the barrier that prevents hits from being written first.
 uint load_key(uint slot)
 {
     return load_path(slot, PATH_HIT).x & (SORT_KEYS - 1u);

@@ -26,7 +26,7 @@
 #include "lib/sampler.glsl"
 #include "lib/scatter.glsl"
 
-// A separate macro, so that compilers remove the excluded code.
+// This is a separate macro, so that compilers remove the excluded code.
 #define CAN_SPLIT (HAS(FEATURE_SPLIT_LOBES) && HAS_LOBE(LOBES_OF_TWO_PARTS))
 
 // Returns whether the path splits at the vertex that is being shaded, with material m. If a part is

@@ -1,17 +1,17 @@
 // The stack of a traversal, which holds postponed nodes. On CPU drivers it is a private array. Some
-// GPU compilers would keep such an array in registers, and compare an index with each entry; there
-// the first STACK_SHARED entries of each thread are in shared memory, and the others, which few
-// rays need, in an array too long for registers.
+// GPU compilers would keep such an array in registers, and compare an index with each entry. On
+// such devices the first STACK_SHARED entries of each thread are in shared memory. The others,
+// which few rays need, are in an array too long for registers.
 #ifndef STACK_GLSL
 #define STACK_GLSL
 
 #include "lib/constants.glsl"
 
 #define IS_STACK_SHARED (STACK_SHARED > 0u)
-// One for the sentinel, and one that a branch-free push may overwrite.
+// One more entry holds the sentinel, and another one may be overwritten by a branch-free push.
 const uint STACK_LENGTH = STACK_ENTRIES + 2u;
 const bool STACK_FITS_SHARED = STACK_LENGTH <= STACK_SHARED;
-// In 32-bit words: Mesa's compiler for AMD GPUs (22.3) keeps arrays of up to 256 bytes in
+// The unit is 32-bit words. Mesa's compiler for AMD GPUs (22.3) keeps arrays of up to 256 bytes in
 // registers.
 #define LONGEST_IN_REGISTERS 64u
 const uint STACK_BEYOND = STACK_LENGTH - STACK_SHARED;

@@ -10,8 +10,8 @@
 #include "lib/surface_types.glsl"
 #include "lib/triangle.glsl"
 
-// Octahedral decoding (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent
-// Unit Vectors", listing 2).
+// Decodes an octahedral unit vector (Cigolle et al. 2014, "A Survey of Efficient Representations
+// for Independent Unit Vectors", listing 2).
 vec3 decode_normal(uint encoded)
 {
     vec2 e = unpackSnorm2x16(encoded);
@@ -143,7 +143,7 @@ void load_corner_attributes(uint index, vec2 b, placement p, inout surface s)
                                           : vec4(basis_around(s.normal_shading)[0], 1.0);
 }
 
-// For callers that need no tangents.
+// This overload is for callers that need no tangents.
 void load_corner_attributes(uint index, vec2 b, inout surface s)
 {
     load_corner_attributes(index, b, load_placement(NO_INSTANCE), s);
@@ -158,7 +158,7 @@ surface load_triangle_surface(uint index, vec2 uv, uint instance)
 
     surface s;
     s.position = b.x * v0 + b.y * v1 + b.z * v2;
-    // Pharr, Jakob, Humphreys 2023, section 6.8.5.
+    // This bound is from Pharr, Jakob, Humphreys 2023, section 6.8.5.
     s.error = GAMMA(7) * (abs(b.x * v0) + abs(b.y * v1) + abs(b.z * v2));
     s.normal_geometric = triangle_normal(t);
     s.material = t.word;
@@ -180,7 +180,8 @@ surface load_triangle_surface(uint index, vec2 uv, uint instance)
     return s;
 }
 
-// t, uv: of the hit; instance: that of the primitive, or NO_INSTANCE.
+// Returns the surface point of a hit. t, uv: distance and barycentrics or other data of the hit;
+// instance: that of the primitive, or NO_INSTANCE.
 surface load_surface(vec3 origin, vec3 direction, float t, vec2 uv, uint primitive, uint instance)
 {
     bool is_shape = IS_SHAPE(primitive);

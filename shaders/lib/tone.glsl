@@ -19,15 +19,15 @@ vec3 clean(vec3 rgb)
     return vec3(clean(rgb.r), clean(rgb.g), clean(rgb.b));
 }
 
-// Both sides of the fraction are halved, so that the greatest floats do not overflow.
+// Numerator and denominator are halved, so that the greatest floats do not overflow.
 vec3 tone_reinhard(vec3 rgb)
 {
     vec3 half_rgb = 0.5 * rgb;
     return half_rgb / (0.5 + dot(vec3(0.2126, 0.7152, 0.0722), half_rgb));
 }
 
-// The curve exceeds 1, where displays end, for values above 7.3, so greater values may be replaced
-// by 16.
+// The curve exceeds 1, the maximum of a display, for values above 7.3, so values above 16 may be
+// replaced by 16.
 vec3 tone_aces(vec3 rgb)
 {
     vec3 x = min(rgb, vec3(16.0));
@@ -90,7 +90,7 @@ vec3 tone_map(const uint tone, vec3 rgb)
     return rgb;
 }
 
-// IEC 61966-2-1, 5.2, for values in [0, 1].
+// Returns the sRGB encoding of values in [0, 1] (IEC 61966-2-1, 5.2).
 vec3 srgb_from_linear(vec3 linear)
 {
     vec3 curve = 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055;

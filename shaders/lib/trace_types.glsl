@@ -7,8 +7,8 @@
 struct trace_ray {
     vec3 origin;
     vec3 direction;
-    uint ignore_a, ignore_b; // primitive words: that on which the ray starts, and its target
-    uint start_instance;     // instance of the first one; the second one is always in world space
+    uint ignore_a, ignore_b; // primitive words of the ray's start and of its target
+    uint start_instance;     // instance of ignore_a; ignore_b is always in world space
     uvec4 alpha; // key of the random decisions at blended surfaces: see lib/alpha.glsl
 };
 
@@ -25,7 +25,7 @@ struct trace_hit {
     vec2 uv;
     uint primitive; // NO_PRIMITIVE: none
     uint id;        // decides between hits at equal distance, so that the BVH does not matter
-    uint instance;  // decides first: primitives in world space before those of instances
+    uint instance;  // at equal distance it decides before `id`; world space precedes all instances
 };
 
 void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id,

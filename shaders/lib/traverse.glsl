@@ -1,5 +1,5 @@
-// Depth-first traversal of the BVH, nearest child first. Included by the kernels that trace; a
-// kernel defines ANY_HIT to stop at the first hit.
+// Depth-first traversal of the BVH, nearest child first. A kernel that includes this file defines
+// ANY_HIT to stop at the first hit.
 #ifndef TRAVERSE_GLSL
 #define TRAVERSE_GLSL
 
@@ -51,9 +51,9 @@ left_plane load_left_plane(uint primitive, uint target)
     return plane;
 }
 
-// Returns whether a corner is in the plane through the ray's origin. At most 16 roundings of the
-// coordinates are error in its computed height: 7 by which the origin was moved off the surface, 4
-// of the normal, 5 of the difference and the dot product.
+// Returns whether a corner is in the plane through the ray's origin. The error of its computed
+// height is at most 16 roundings of the coordinates: 7 by which the origin was moved off the
+// surface, 4 of the normal, 5 of the difference and the dot product.
 bool in_plane(left_plane plane, vec3 origin, vec3 corner)
 {
     float height = dot(plane.normal, corner - origin);
@@ -264,15 +264,15 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
             bool leaf_done = true;
             if (is_shape)
                 leaf_done = intersect_shape_leaf(ray, index, march, iterations, best);
-            // One triangle per iteration, so that lanes with leaves of one triangle do not wait for
-            // the others.
+            // Each iteration tests one triangle, so that lanes with leaves of one triangle do not
+            // wait for the others.
             bool more = (current & BVH_LEAF_MORE) != 0u && is_triangle;
             uint next = more ? current - BVH_LEAF_ONE_MORE + 1u : top;
             if (is_space) {
                 bool enters = current != BVH_LEAVE;
                 space = enter_space(ray, enters ? index : NO_INSTANCE, root);
                 stack_store(depth, BVH_LEAVE);
-                depth += enters ? 2u : 0u; // one of them is removed below
+                depth += enters ? 2u : 0u; // the depth decreases by one below
                 next = enters ? root : top;
             }
             if (COUNTS_STEPS)

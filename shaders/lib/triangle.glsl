@@ -13,8 +13,8 @@ struct triangle_record {
     uint emitter; // emitter index; if IS_SMALL, its index among the small triangles
 };
 
-// True if a triangle with this material word has exact edges, while its corners are rounded. A
-// macro, so that constant arguments give constant results.
+// True if a triangle with this material word has exact edges, while its corners are rounded. It is
+// a macro, so that constant arguments give constant results.
 #define IS_SMALL(word)                                                                             \
     (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && ((word)&MATERIAL_WORD_EDGES) != 0u)
 

@@ -141,8 +141,8 @@ whitted_surface whitted_surface_of(material m, vec3 wo, float eta)
 
 // --- lights -------------------------------------------------------------------------------------
 
-// The far field of an emissive primitive, as if it were concentrated at its centre: radiance times
-// the projected area, divided by the squared distance.
+// Returns the far field of an emissive primitive, as if it were concentrated at its centre:
+// radiance times the projected area, divided by the squared distance.
 light_sample center_of_triangle(vec3 origin, uint index)
 {
     triangle_record t = load_triangle(index);
@@ -259,7 +259,7 @@ bool whitted_lights(vertex v, whitted_surface w)
 // If two rays continue, one whose weight is less than this is dropped (Hall and Greenberg 1983, "A
 // Testbed for Realistic Image Synthesis"); otherwise trees would double in size with each level. A
 // ray that continues alone is followed whatever its weight.
-const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits distinguish
+const float LEAST_PART = 0.0009765625; // 2^-10: about a quarter of a step of 8 bits
 
 // A ray of the tree: it is `depth` scattering events from the camera, and `pending` other rays are
 // below it on the stack. Both numbers are in the word that holds the density of the direction in

@@ -3,7 +3,8 @@
 #ifndef LAMPYRIS_SHARED_ALBEDO_H
 #define LAMPYRIS_SHARED_ALBEDO_H
 
-// Numbers of cells, not nodes: a cell holds the values at its corners, so that one read suffices.
+// These are numbers of cells, not of nodes: a cell holds the values at its corners, so that one
+// read suffices.
 #define ALBEDO_GGX_MU 32u
 #define ALBEDO_GGX_ALPHA 32u
 #define ALBEDO_SCHLICK_MU 32u
@@ -46,11 +47,12 @@
 #define ALBEDO_TURNED_GLASS_AZIMUTH 6u
 #define ALBEDO_TURNED_GLASS_ETA 6u
 
-// The value that 65535 stands for in tables of 16 bits: above 1, because nodes may be raised.
+// The value that 65535 stands for in tables of 16 bits. It is above 1, because nodes may be raised.
 #define ALBEDO_HIGHEST 1.015625
-// Logarithms of the quotient of the anisotropic and the isotropic albedo of glass: 0 stands for
-// minus this, 65535 for plus this. The two values below are the first one of their axis of
-// roughness, and the last one of their axis of eta.
+// The table at ALBEDO_TURNED_GLASS has logarithms of the quotient of the anisotropic and the
+// isotropic albedo of glass: 0 stands for minus ALBEDO_TURNED_GLASS_LOG, 65535 for plus this value.
+// The next two constants are the first value of its axis of roughness and the last value of its
+// axis of eta.
 #define ALBEDO_TURNED_GLASS_LOG 4.0
 #define ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST 0.1
 #define ALBEDO_TURNED_GLASS_ETA_LAST 0.95

@@ -5,7 +5,7 @@
 #include "bindings.h"
 
 // AOVs of the first surface that a camera ray hits. Depth and position are means over the samples
-// that hit one, so they need AOV_ALPHA, the fraction of those samples.
+// that hit a surface, so they need AOV_ALPHA, the fraction of those samples.
 #define AOVS_OF_SURFACES                                                                           \
     (AOV_ALBEDO | AOV_NORMAL | AOV_NORMAL_GEOMETRIC | AOV_DEPTH | AOV_POSITION | AOV_IDS |         \
      AOV_ALPHA)
@@ -15,7 +15,7 @@
 // The AOVs that are summed over samples: all except the ids.
 #define AOVS_SUMMED (AOVS_OF_SLOTS & ~AOV_IDS)
 
-// A constant expression: 1 if `bit` is set in `aovs` and is below `end`, else 0.
+// This constant expression is 1 if `bit` is set in `aovs` and is below `end`, else 0.
 #define AOV_BEFORE(aovs, end, bit) (((aovs) & (bit) & ((end)-1u)) != 0u ? 1u : 0u)
 #define AOV_VECTORS_BEFORE(aovs, end)                                                              \
     (AOV_BEFORE(aovs, end, AOV_ALBEDO) + AOV_BEFORE(aovs, end, AOV_NORMAL) +                       \
@@ -30,13 +30,13 @@
 #define AOV_VECTOR_AT(aovs, bit) (3u * AOV_VECTORS_BEFORE(aovs, bit))
 #define AOV_SCALAR_AT(aovs, bit)                                                                   \
     (3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, bit))
-// Number of words of four that the AOVs take. In the film each component is a sum (film_sums.h),
-// and each group of four sums has a word for its digits.
+// The number of words of four that the AOVs occupy. In the film each component is a sum
+// (film_sums.h), and each group of four sums has a word for its digits.
 #define AOV_SUM_WORDS(aovs)                                                                        \
     ((3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, AOV_END) + 3u) / 4u)
-// The last word. x: 1 + the primitive of the pixel's first sample, as its index in the flat scene,
-// with PRIMITIVE_SHAPE for shapes; 0 if it hit nothing. y: 1 + its instance; 0 for world space. z:
-// 1 + its material.
+// The ids are the last word of a record. x: 1 + the primitive of the pixel's first sample, as its
+// index in the flat scene, with PRIMITIVE_SHAPE for shapes; 0 if it hit nothing. y: 1 + its
+// instance; 0 for world space. z: 1 + its material.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
 // For each class of --error-by, a slot, and both half-buffers of a film record, hold the
@@ -68,10 +68,11 @@
 #define BRIGHTEST_EMITTER_SHIFT 28      // BY_EMITTER_*
 #define BRIGHTEST_FIELD_MASK 15u        // mask of the site and of the emitter
 
-// Offsets in words of four. The records begin with the radiance in a slot, with gpu_film_pixel in
-// the film (there follow sums, then their digits), and with gpu_resolved_pixel in results read
-// back. After the sums come the classes and the brightest contribution. A class has in the film the
-// members of gpu_film_pixel without sample counts; in results its mean in half a, then in half b.
+// Offsets in words of four. A record begins with the radiance in a slot, with gpu_film_pixel in the
+// film, and with gpu_resolved_pixel in results that are read back. The sums of the AOVs follow, in
+// the film with their digits; then the classes, the brightest contribution and the ids. In the film
+// a class has the members of gpu_film_pixel without sample counts. In results, the means of all
+// classes in half a precede those in half b.
 #define AOV_SLOT_CLASSES_AT(aovs) (1u + AOV_SUM_WORDS(aovs))
 #define AOV_SLOT_BRIGHTEST_AT(aovs) (AOV_SLOT_CLASSES_AT(aovs) + AOV_CLASSES(aovs))
 #define AOV_SLOT_WORDS(aovs)                                                                       \

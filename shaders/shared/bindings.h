@@ -9,7 +9,7 @@
 #define BINDING_ATTRIBUTES 2  // attributes of triangles' corners, in leaf order: see types.h
 #define BINDING_SHAPES 3      // struct gpu_shape
 #define BINDING_MATERIALS 4   // struct gpu_material_header, then the sections to which it refers
-#define BINDING_EMITTERS 5    // struct gpu_emitter
+#define BINDING_EMITTERS 5    // struct gpu_emitter, or a light tree: struct gpu_light_tree
 #define BINDING_ENVIRONMENT 6 // see render/tables/environment_table.h
 #define BINDING_TEXELS 7      // texels of all textures
 #define BINDING_PATHS 8       // struct gpu_path for each slot of the wave
@@ -80,7 +80,7 @@
 // Value of CONSTANT_LIGHT_VERTICES for all vertices.
 #define ALL_VERTICES 0xffffffffu
 
-// How the device rounds sums and products: to the nearest float if that mode can be requested,
+// The device's rounding of sums and products: to the nearest float if that mode can be requested,
 // otherwise to either neighbour, which is all that Vulkan guarantees.
 #define ROUNDING_ANY 0
 #define ROUNDING_NEAREST 1
@@ -160,7 +160,7 @@
 #define EMITTERS_ALL                                                                               \
     (EMITTER_TRIANGLES | EMITTERS_SHAPES | EMITTERS_LIGHTS | EMITTER_PROFILES | EMITTER_ENVIRONMENT)
 
-// AOVs. Of the first surface that a camera ray hits:
+// AOVs of the first surface that a camera ray hits.
 #define AOV_ALBEDO (1u << 0)
 #define AOV_NORMAL (1u << 1)
 #define AOV_NORMAL_GEOMETRIC (1u << 2)
@@ -171,15 +171,15 @@
 #define AOV_EMISSION (1u << 6)
 #define AOV_DIRECT (1u << 7)
 #define AOV_INDIRECT (1u << 8)
-// Every film has the data of these.
+// Every film has the data of the following AOVs.
 #define AOV_SAMPLES (1u << 9)
 #define AOV_VARIANCE (1u << 10)
 #define AOV_HALVES (1u << 11)
 #define AOV_ALPHA (1u << 12) // fraction of samples that hit a surface
-// Measured on camera rays.
+// This AOV is measured on camera rays.
 #define AOV_STEPS (1u << 13) // nodes visited and primitives tested until the first hit
 #define AOV_END (1u << 14)
-// Not AOVs but requests of --error-by, see aov.h.
+// These bits are not AOVs but requests of --error-by, see aov.h.
 #define AOV_BY_PART (1u << 14)
 #define AOV_BY_BOUNCE (1u << 15)
 #define AOV_BY_EMITTER (1u << 16)

@@ -1,4 +1,4 @@
-// Routines of check_arithmetic.comp and check_threads.comp: read by C and by GLSL.
+// Routines of check_arithmetic.comp and check_threads.comp. Read by C and by GLSL.
 #ifndef SHARED_CHECK_H
 #define SHARED_CHECK_H
 
@@ -27,7 +27,7 @@
 #define CHECK_ARRAY 3u      // the sum over an array of `count` elements
 #define CHECK_DISPATCHES 4u // 3 x + 1, where x is the value that the preceding dispatch has stored
 #define CHECK_TEXELS 5u     // the item, read as a texel
-#define CHECK_SUBGROUPS 6u  // the subgroup's size, and the rank among its lanes of odd index
+#define CHECK_SUBGROUPS 6u  // the subgroup's size, and the rank among its lanes with odd values
 // The number of lanes that vote after a branch, and the number of lanes.
 #define CHECK_RECONVERGENCE 7u
 

@@ -1,4 +1,4 @@
-// Routines of check_bsdf.comp, and its output for a sample: read by C and by GLSL.
+// Routines of check_bsdf.comp, and flags in its output for a sample. Read by C and by GLSL.
 #ifndef SHARED_CHECK_BSDF_H
 #define SHARED_CHECK_BSDF_H
 

@@ -1,4 +1,4 @@
-// Routines of check_sampler.comp: read by C and by GLSL.
+// Routines of check_sampler.comp. Read by C and by GLSL.
 #ifndef SHARED_CHECK_SAMPLER_H
 #define SHARED_CHECK_SAMPLER_H
 

@@ -1,6 +1,6 @@
 // Bindings, constants and records that the kernels of the denoised preview share with C. Each
-// buffer except the film has one word of four a pixel. If a buffer has a second one for the
-// history, the first is for the current frame, and the second is what the last view has left.
+// buffer except the film has one word of four per pixel. A buffer whose name ends in _HISTORY has
+// the data of the preceding frame.
 #ifndef LAMPYRIS_SHARED_DENOISE_H
 #define LAMPYRIS_SHARED_DENOISE_H
 
@@ -65,8 +65,8 @@
 #define DENOISE_HISTORY_MIXED 1u
 #define DENOISE_HISTORY_COMPARED 2u
 #define DENOISE_HISTORY_CHECKED 3u
-// Number of these linear levels: even, so that the last one writes to the buffer from which the
-// first has read.
+// The number of linear levels that average the difference. It is even, so that the last level
+// writes to the buffer from which the first one reads.
 #define DENOISE_COMPARED_LEVELS 2u
 
 #define DENOISE_EMPTY (-1.0f)

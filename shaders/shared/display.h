@@ -5,7 +5,7 @@
 #include "aov.h"
 #include "types.h"
 
-// The quantity that an image shows: the radiance, or another layer (AOV_*).
+// The quantity that an image shows: the radiance or an AOV (AOV_*).
 #define SHOWN_RADIANCE 0u
 #define SHOWN_ALBEDO 1u
 #define SHOWN_NORMAL 2u  // components from [-1, 1] as colours
@@ -19,7 +19,7 @@
 #define SHOWN_DIRECT 10u
 #define SHOWN_INDIRECT 11u
 #define SHOWN_COUNT 12u
-// How values are converted to colours: by tone mapping, or as false colours.
+// Sets of quantities that are converted to colours by tone mapping or as false colours.
 #define SHOWN_BIT(shown) (1u << (shown))
 #define SHOWN_TONED                                                                                \
     (SHOWN_BIT(SHOWN_RADIANCE) | SHOWN_BIT(SHOWN_EMISSION) | SHOWN_BIT(SHOWN_DIRECT) |             \
@@ -30,9 +30,9 @@
 // Logarithmic false colours, for values that extend to the horizon or over many powers of ten.
 #define SHOWN_LOGARITHMIC (SHOWN_BIT(SHOWN_DEPTH) | SHOWN_BIT(SHOWN_VARIANCE))
 
-// Storage buffers of the display's kernels. A linear image has vec4 a pixel: a value times its
-// weight, and the weight, which is 0 if the value is not known. For false colours: the value times
-// the fraction of samples that have one, that fraction, and 0.
+// Storage buffers of the display's kernels. A linear image has a vec4 for each pixel: a value times
+// its weight, and the weight, which is 0 if the value is not known. For false colours: the value
+// times the fraction of samples that have one, that fraction, and 0.
 #define DISPLAY_BINDING_FILM 0     // a chunk of the film
 #define DISPLAY_BINDING_DENOISED 1 // vec4 for each pixel of the film
 #define DISPLAY_BINDING_SOURCES 2  // tables by which objects of primitives are found: see display.c
@@ -61,10 +61,12 @@
 #define DISPLAY_TEXELS (1u << 0)   // linear images are read as texels
 #define DISPLAY_DENOISED (1u << 1) // the value is that of the denoiser
 #define DISPLAY_LARGER (1u << 2)   // scaling reduces no axis: interpolates between two pixels
-#define DISPLAY_NEAREST (1u << 3)  // the same without interpolation: shows pixels as squares
-#define DISPLAY_TWO (1u << 4)      // there are two sides
-#define DISPLAY_KEPT (1u << 5)     // shows the kept image where the film has no samples
-#define DISPLAY_KEEP (1u << 6)     // makes a linear image that is kept
+#define DISPLAY_NEAREST                                                                            \
+    (1u << 3)                  // as DISPLAY_LARGER, but without interpolation: pixels appear as
+                               // squares
+#define DISPLAY_TWO (1u << 4)  // there are two sides
+#define DISPLAY_KEPT (1u << 5) // shows the kept image where the film has no samples
+#define DISPLAY_KEEP (1u << 6) // makes a linear image that is kept
 
 #define DISPLAY_WORKGROUP 64u
 #define DISPLAY_SIDE_MAX 32768u // pixels of a displayed image: far below the limit of place_of()
@@ -80,8 +82,8 @@
 struct gpu_display_push {
     uint first_item; // first item of this dispatch
     uint items;      // number of all items
-    // For display_read: position of the chunk, number of the film's pixels, members of the
-    // renderer's frame, and sizes of the tables in SOURCES.
+    // For display_read: the first pixel of the chunk, the number of planned samples, and the sizes
+    // of the tables in SOURCES.
     uint first_pixel;
     uint planned_samples;
     uint dropped, instances, meshes;

@@ -85,7 +85,7 @@
 #define PARAMETER_EMISSION 4
 // Density per unit of area with which next-event estimation selects a point on an emitter of this
 // material: luminance / sum over all emitters of (luminance * area), where a delta light
-// contributes its power over 2 pi. 0: never selected. Set at upload.
+// contributes its power over 2 pi. 0: never selected. The density is set at upload.
 #define PARAMETER_PICK_DENSITY 7
 #define PARAMETER_ANISOTROPIC 8
 #define PARAMETER_ROUGHNESS 9
@@ -165,7 +165,7 @@
 // Lobes that may transmit light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 
-// How a texture is read, in gpu_texture.flags.
+// The way in which a texture is read: bits of gpu_texture.flags.
 #define TEXTURE_WRAP_REPEAT 0u
 #define TEXTURE_WRAP_CLAMP 1u
 #define TEXTURE_WRAP_MIRROR 2u

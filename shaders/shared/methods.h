@@ -20,21 +20,21 @@
 #define SAMPLER_BLUE_NOISE 5u // one sequence for all pixels, assigned so that errors are blue noise
 #define SAMPLER_SINE 6u       // fractions of sines, as an example of a bad generator
 
-// First numbers of ranges of dimensions, beyond the 3 * 2^20 + 1 of the longest camera path. They
-// differ in bits that are low enough for pcg4d() to mix. If inputs differ in bit 27 or above,
-// outputs depend on each other: with 16 x 16 cells and 2^20 samples, chi-square deviates by up to
-// 52 standard deviations for bit 27 and 2e5 for bit 31, and by less than 4 up to bit 25 (measured;
-// `kernels sampler` repeats it).
+// First numbers of ranges of dimensions, beyond the 3 * 2^20 + 1 dimensions of the longest camera
+// path. They differ in bits that are low enough for pcg4d() to mix. If inputs differ in bit 27 or
+// above, outputs depend on each other: with 16 x 16 cells and 2^20 samples, chi-square deviates by
+// up to 52 standard deviations for bit 27 and 2e5 for bit 31, and by less than 4 up to bit 25
+// (measured; `kernels sampler` repeats it).
 #define DIMENSIONS_OF_LIGHT_PATHS (1u << 23)
 #define DIMENSIONS_OF_PIXELS (1u << 24)
 #define DIMENSIONS_OF_ALL_LIGHTS (1u << 25)
 
-// How the film sums samples.
+// Methods of summing samples in the film.
 #define ACCUMULATION_BINNED 0u  // sums that do not depend on the order (film_sums.h)
 #define ACCUMULATION_SUM 1u     // a plain sum in single precision
 #define ACCUMULATION_RUNNING 2u // a running mean
 
-// How the two half-buffers, from which the error is estimated, divide the samples.
+// Divisions of the samples between the two half-buffers, from which the error is estimated.
 #define HALVES_INDEPENDENT 0u // each has its own sequence: the error estimate is unbiased
 #define HALVES_CONTIGUOUS 1u  // the first and the second half of one sequence: an upper bound
 
@@ -44,14 +44,15 @@
 #define FILTER_GAUSSIAN 2u
 #define FILTER_BLACKMAN_HARRIS 3u
 
-// How a sample is placed in its pixel's filter; affects only these two dimensions.
+// Methods of placing a sample in its pixel's filter. They affect only the two dimensions of this
+// position.
 #define PIXEL_SAMPLING_SAMPLER 0u    // by the sampler
 #define PIXEL_SAMPLING_CENTRE 1u     // the pixel's centre
 #define PIXEL_SAMPLING_GRID 2u       // at the centres of strata
 #define PIXEL_SAMPLING_RANDOM 3u     // independent random points
 #define PIXEL_SAMPLING_STRATIFIED 4u // at random points in strata
 
-// How the environment's image is interpolated between texels.
+// Interpolation of the environment's image between texels.
 #define ENVIRONMENT_FILTER_BILINEAR 0u
 #define ENVIRONMENT_FILTER_NEAREST 1u // each texel is a patch of constant radiance
 
@@ -64,7 +65,7 @@
 #define CAMERA_ORTHOGRAPHIC 1u
 #define CAMERA_PANORAMIC 2u // all directions, in latitude and longitude
 
-// Light sampling strategies: how the emitters for a vertex's shadow rays are selected.
+// Light sampling strategies, which select the emitters for a vertex's shadow rays.
 #define LIGHT_CHOICE_AUTO 0u // only as a setting: see render/tables/light_choice.h
 #define LIGHT_CHOICE_UNIFORM 1u
 #define LIGHT_CHOICE_POWER 2u
@@ -79,14 +80,14 @@
 #define MIS_NONE 2u      // emitters that shadow rays can sample are found by shadow rays only
 #define MIS_POWER_ANY 3u // MIS_POWER with the exponent frame.mis_exponent; not a setting of its own
 
-// How the direction in which a path leaves a surface is sampled, except for delta lobes.
+// Strategies of sampling the direction in which a path leaves a surface, except for delta lobes.
 #define DIRECTIONS_BSDF 0u
 #define DIRECTIONS_SPHERE 1u
 #define DIRECTIONS_HEMISPHERE 2u
 #define DIRECTIONS_COSINE 3u
 #define DIRECTIONS_POWER_COSINE 4u // about the mirror direction
 
-// How microfacet normals are sampled.
+// Strategies of sampling microfacet normals.
 #define NORMALS_VISIBLE 0u // by the distribution of visible normals (Heitz 2018)
 #define NORMALS_NDF 1u     // by the full distribution D (Walter et al. 2007)
 
@@ -100,7 +101,7 @@
 #define ROULETTE_FRAME 2u
 #define ROULETTE_OFF 3u
 
-// Formats of BVH nodes; selected as in bvh.h, not a setting.
+// Formats of BVH nodes. The format is not a setting: see bvh/bvh.h for its selection.
 #define NODES_QUANTISED 0u
 #define NODES_FLOAT 1u
 

@@ -19,7 +19,7 @@
 struct gpu_sdf {
     float to_object[3][4]; // world to the field's space: a rotation or reflection with a uniform
                            // scale; the last column is the field's origin in the world, which is
-                           // subtracted before
+                           // subtracted first
     float min[3];          // box of the field in its own space; the field is empty outside
     uint first;            // first instruction
     float max[3];
@@ -61,7 +61,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 // Metaballs (Wyvill, McPheeters and Wyvill 1986): `count` balls in the following instructions, four
 // in each (op, a; b; c; d: centre, radius of influence R). (a.x - sum of (1 - d^2 / R^2)^3 over the
 // balls with d < R) a.y, where 1 / a.y bounds the sum's gradient. Beyond all radii of influence,
-// the distance to the nearest of them is added.
+// the distance to the nearest ball is added.
 #define SDF_METABALLS 10u
 #define SDF_BALL_INSTRUCTIONS(balls) (((balls) + 3u) / 4u)
 // z -> z^power + p (White and Nylander 2009) with the pole along y: b.x log|z| |z| / (2 |dz|),

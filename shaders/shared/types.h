@@ -24,7 +24,9 @@ typedef uint32_t uint;
 #endif
 
 #define NO_PRIMITIVE 0xffffffffu
-#define NORMAL_FLAT 0x80008000u // gpu_normals.n0 of a triangle without shading normals
+#define NORMAL_FLAT                                                                                \
+    0x80008000u // first word of the normals of a triangle that has no shading
+                // normals
 // A primitive word: the index of a shape with this bit, or the position of a triangle in leaf
 // order.
 #define PRIMITIVE_SHAPE 0x40000000u
@@ -60,8 +62,9 @@ struct gpu_small_triangle {
 SHARED_STATIC_ASSERT_SIZE(gpu_small_triangle, 48);
 #define SMALL_TRIANGLE_WORDS 3
 
-// Attributes of a triangle: those words of four that the scene has, in this order.
-// attribute_words() (lib/attributes.glsl and render/attributes.h) is the stride of triangles.
+// Attributes of a triangle: those words of four that the scene has, in this order. ATTRIBUTE_WORDS
+// in lib/attributes.glsl and attribute_words() in render/attributes.h are the number of these
+// words.
 //   FEATURE_NORMALS   1: octahedral unit vectors, 2 x 16-bit snorm each, of the corners; 0
 //   FEATURE_TANGENTS  1: the same for tangents; bit c of the last word: bitangent of corner c is
 //                        -cross(normal, tangent), else +
@@ -101,7 +104,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shape, 48);
 // An instance of a mesh that has its own tree among the BVH's nodes.
 struct gpu_instance {
     float to_object[3][4]; // rows of the matrix; fourth components: the vector that is subtracted
-                           // before
+                           // first
     float to_world[3][4];
     uint root;     // root node of its tree
     uint material; // material word that replaces those of the triangles, or NO_MATERIAL
@@ -326,7 +329,7 @@ struct gpu_film_pixel {
 SHARED_STATIC_ASSERT_SIZE(gpu_film_pixel, 112);
 #define FILM_WORDS 7
 #define FILM_HALF_WORDS 3u // words of four for the sums of a half
-// Number of groups of four sums of the layers whose digits fit into one word of four.
+// Number of groups of four sums of AOVs whose digits fit into one word of four.
 #define FILM_GROUPS_A_WORD 4u
 
 struct gpu_resolved_pixel {
@@ -359,11 +362,11 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 // Counters of FEATURE_STEPS, for rays to the nearest hit and for shadow rays.
 #define STEPS_CLOSEST 0 // nodes visited; + 1: primitives tested
-#define STEPS_SHADOW 2  // as above
+#define STEPS_SHADOW 2  // nodes visited; + 1: primitives tested
 #define STEPS_COUNT 4
 
 #define CLAMP_UNITS 1024.0f
-// Limit for one contribution, 2^38: the sum over a wave stays below 2^64.
+// Limit of the units of one contribution, 2^38, so that the sum over a wave stays below 2^64.
 #define CLAMP_UNITS_MOST 2.74877907e11f
 
 struct gpu_dispatch {
@@ -441,7 +444,7 @@ struct gpu_frame {
     VEC3(camera_right); // from the centre to the right edge of the image: at distance 1;
                         // orthographic: a length; panoramic: unit
     uint seed;
-    VEC3(camera_up); // likewise to the upper edge
+    VEC3(camera_up); // from the centre to the upper edge, in the same unit
     uint max_bounces;
     VEC3(environment);     // radiance, or the factor of the image's radiance
     uint environment_size; // width in bits 0-15, height in 16-31
@@ -450,7 +453,7 @@ struct gpu_frame {
     float environment_pick; // probability of selecting it, unless that depends on the position
     uint emitter_count;
     uint wave_slots;   // capacity of a queue and of the path arrays
-    uint samples;      // samples a pixel that are planned; 0: not known
+    uint samples;      // planned number of samples per pixel; 0: not known
     uint nee_depth;    // number of vertices of a path that may send shadow rays
     float clamp_limit; // maximum of a contribution's largest component
     uint roulette_min_bounces;
@@ -482,9 +485,9 @@ struct gpu_frame {
     uint split_lobes;        // number of vertices at which paths split, with FEATURE_SPLIT_LOBES
     float environment_floor; // subtracted from the luminances of its image for sampling
     uint picture_width;
-    VEC3(cells_begin); // grid for sorting rays: lowest corner of the scene,
+    VEC3(cells_begin); // grid for sorting rays: lowest corner of the scene
     uint picture_height;
-    VEC3(cells_a_length); // and number of cells per unit of length
+    VEC3(cells_a_length); // grid for sorting rays: number of cells per unit of length
     uint window_first;    // number in the picture of the first pixel of the film
     VEC3(scene_center);   // INTEGRATOR_BIDIR: sphere at which infinitely far light is aimed
     float scene_radius;
