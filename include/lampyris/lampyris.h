@@ -10,16 +10,17 @@
 //   lampyris_render_step(render, NULL, NULL);
 //   lampyris_render_save(render, "cornell.exr", NULL);
 //
-// A picture has the same bits as that of `lampyris render` with the same scene and settings on the
-// same device and driver. They do not depend on steps, callbacks or the number of threads.
+// A picture has the same bits as the picture of `lampyris render` with the same scene and settings
+// on the same device and driver. The bits do not depend on steps, callbacks or the number of
+// threads.
 //
 // Errors: functions return a status, whose value is the exit code of the command line program.
 // lampyris_context_error() returns the details. A function that fails to make an object sets the
 // caller's pointer to NULL.
 //
 // Structs begin with the member `size`, which the caller sets to sizeof the struct. It tells a
-// later version of the library which members the caller knows. A value of zero means the default of
-// any other member. If the library fills in a struct, it leaves members that it does not know
+// later version of the library which members the caller knows. In any other member, zero means the
+// default value. If the library fills in a struct, it leaves members that it does not know
 // unchanged.
 //
 // Threads: a context, and all objects made from it, may be used by one thread at a time. Several
@@ -181,11 +182,12 @@ LAMPYRIS_API enum lampyris_status lampyris_scene_parse(struct lampyris_context *
                                                        struct lampyris_scene **out);
 LAMPYRIS_API void lampyris_scene_release(struct lampyris_scene *scene);
 
-// These read, change and remove a value of the document. A JSON pointer (RFC 6901) names the value:
-// "" is the whole document, "/materials/white/base_color/0" a number, and "/shapes/-" the place
-// after the last shape. The document of a model is {"lampyris": 1, "base": {"file": ...}}; its
-// "edits" change the model. lampyris_scene_set() creates missing objects on the way to the value.
-// Overrides are applied when the document is read; the document itself does not contain them.
+// The following functions read, change and remove a value of the document. A JSON pointer (RFC
+// 6901) names the value: "" is the whole document, "/materials/white/base_color/0" a number, and
+// "/shapes/-" the place after the last shape. The document of a model is {"lampyris": 1, "base":
+// {"file": ...}}; its "edits" change the model. lampyris_scene_set() creates missing objects on the
+// way to the value. Overrides are applied when the document is read; the document itself does not
+// contain them.
 //
 // The caller releases the text *json by lampyris_text_release().
 LAMPYRIS_API enum lampyris_status lampyris_scene_get(struct lampyris_scene *scene,

@@ -77,8 +77,8 @@ class Scene(_context.Owned):
     def mesh(self, name, positions, indices=None, *, normals=None, uvs=None, colors=None, material=None):
         """Adds a triangle mesh, as the shape `name` at the end of /shapes, or replaces the mesh of that name.
 
-        The arguments are arrays of these shapes: positions (n, 3), in metres; indices (m, 3), or None if each
-        three consecutive vertices are a triangle; normals (n, 3); uvs (n, 2), where (0, 0) is an image's
+        The arguments are arrays of these shapes: positions (n, 3), in metres; indices (m, 3), or None if every
+        three consecutive vertices form a triangle; normals (n, 3); uvs (n, 2), where (0, 0) is an image's
         upper left corner; colors (n, 4), linear RGBA. Arrays of float32, or of uint32 for indices, are not
         copied, whatever their strides. The library reads them when it reads the scene, so they must not
         change until the next render has begun."""
