@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// How ranges of primitives are split: by the surface area heuristic; at the median of their
+// Methods of splitting ranges of primitives: by the surface area heuristic; at the median of their
 // centroids; at the mean of their centroids; by the heuristic with spatial splits, which cut
 // triangles in two; in the middle of the box. See bvh_build().
 enum bvh_split {
@@ -22,7 +22,7 @@ enum bvh_split {
     BVH_SPLIT_SPATIAL,
     BVH_SPLIT_MIDDLE
 };
-// How much effort goes into moving subtrees to better places after the build: bounded time, none,
+// The effort of moving subtrees to better places after the build: for a limited time, not at all,
 // or as long as improvements are found. Only for BVH_SPLIT_SAH and BVH_SPLIT_SPATIAL.
 enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
 // Nodes are of type struct bvh_node or struct bvh_node_float.
@@ -221,10 +221,10 @@ static inline uint64_t bvh_nodes_bytes(const struct bvh *bvh)
     return bvh->node_count * bvh_node_bytes(bvh->format);
 }
 
-// Checks all conditions above against the primitives: boxes contain everything below them, every
-// primitive appears once, there are no cycles, and the statistics are right (except the times). For
-// tests and for hierarchies loaded from a cache. Fails with ERR_INPUT, naming the violated
-// condition.
+// Checks all conditions of this header against the primitives: boxes contain everything below them,
+// every primitive appears once, there are no cycles, and the statistics are right (except the
+// times). For tests and for hierarchies loaded from a cache. Fails with ERR_INPUT, naming the
+// violated condition.
 bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
 
 // Visits all primitives in leaves whose boxes the ray crosses, in no particular order: triangles by

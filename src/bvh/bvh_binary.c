@@ -65,7 +65,7 @@ bool bvh_checkpoint(const struct progress *progress, double fraction, struct err
     return true;
 }
 
-// Reports progress and polls for a stop. Only for the calling thread.
+// Reports progress and polls for a stop. Only the thread that called bvh_build() may call this.
 static void checkpoint(struct binary_builder *builder, double fraction)
 {
     if (!bvh_checkpoint(builder->params->progress, BVH_PROGRESS_BINARY * fraction, builder->err))

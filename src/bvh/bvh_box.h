@@ -27,8 +27,8 @@ static inline void box_add_point(struct bvh_box *box, const float point[3])
     }
 }
 
-// Returns half the surface area of a box that is not empty. In double precision, because the square
-// of a float above 1.8e19 overflows.
+// Returns half the surface area of a box that is not empty. It is computed in double precision,
+// because the square of a float above 1.8e19 overflows.
 static inline double box_half_area(const struct bvh_box *box)
 {
     double x = (double)box->max[0] - box->min[0];

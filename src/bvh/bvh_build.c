@@ -62,7 +62,7 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
     struct gather_job *job = context;
     uint32_t triangles = job->params->triangle_count;
     if (progress_should_stop(job->params->progress))
-        return; // the loops that use the result poll as well
+        return; // make_primitives() polls again, and fails
     for (size_t i = begin; i < end; i++) {
         struct bvh_primitive *primitive = &job->primitives[i];
         bool valid;
@@ -120,13 +120,14 @@ static bool check_params(const struct bvh_params *params, struct err *err)
     if (params->triangle_count > BVH_LEAF_INDEX || params->shape_count > BVH_LEAF_INDEX ||
         params->instance_count > BVH_INSTANCES_MAX)
         return err_set(err, ERR_BUG,
-                       "BVH: %u triangles, %u shapes, %u instances; at most %u, %u and %u",
+                       "BVH: %u triangles, %u shapes, %u instances; expected at most %u, %u and %u",
                        params->triangle_count, params->shape_count, params->instance_count,
                        BVH_LEAF_INDEX, BVH_LEAF_INDEX, BVH_INSTANCES_MAX);
     if ((params->triangle_count > 0 && !params->triangle_vertices) ||
         (params->shape_count > 0 && !params->shape_boxes) ||
         (params->instance_count > 0 && !params->instance_boxes))
-        return err_set(err, ERR_BUG, "BVH: primitives without vertices or boxes");
+        return err_set(err, ERR_BUG,
+                       "BVH: there are primitives, but their vertices or boxes are missing");
     if (params->triangle_stride != 0 && params->triangle_stride < sizeof(float[3][3]))
         return err_set(err, ERR_BUG, "BVH: triangle_stride: %zu is less than 36",
                        params->triangle_stride);

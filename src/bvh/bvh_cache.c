@@ -174,12 +174,12 @@ static bool check_header(const struct header *h, uint64_t bytes, const struct bv
     if (memcmp(h->magic, MAGIC, sizeof h->magic) != 0 || h->byte_order != BYTE_ORDER_MARK)
         return err_set(err, ERR_INPUT, "is not a BVH file of this program");
     if (h->version != FORMAT_VERSION)
-        return err_set(err, ERR_INPUT, "has version %u, expected %d", h->version, FORMAT_VERSION);
+        return err_set(err, ERR_INPUT, "has version %u; expected %d", h->version, FORMAT_VERSION);
     if (!same(h->key, key) || h->format != params->method.format ||
         h->triangle_count != params->triangle_count)
         return err_set(err, ERR_INPUT, "belongs to another scene or method");
     if (bytes != file_bytes_of(h))
-        return err_set(err, ERR_INPUT, "has %" PRIu64 " bytes, expected %" PRIu64, bytes,
+        return err_set(err, ERR_INPUT, "has %" PRIu64 " bytes; expected %" PRIu64, bytes,
                        file_bytes_of(h));
     return true;
 }

@@ -29,7 +29,7 @@ bool bvh_cache_save(const char *path, const struct bvh_params *params, const str
                     struct err *err);
 bool bvh_cache_load(const char *path, const struct bvh_params *params, struct arena *arena,
                     struct bvh *out, struct err *err);
-// Returns the path of a hierarchy's file. NULL when out of memory.
+// Returns the path of a hierarchy's file, or NULL when out of memory.
 char *bvh_cache_path(const char *folder, const struct bvh_params *params, struct arena *arena);
 
 #endif

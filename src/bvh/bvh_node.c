@@ -31,8 +31,8 @@ static int compare_sum(double a, double b, double c)
 static uint32_t grid_exponent(float min, float max)
 {
     int exponent;
-    // extent / 255 < 2^exponent, up to rounding. The exponent below often suffices, because 255 is
-    // almost 256.
+    // extent / 255 < 2^exponent, up to rounding. The next lower exponent often suffices, because
+    // 255 is almost 256.
     frexp(((double)max - min) / 255, &exponent);
     uint32_t biased = exponent + 126 > 1 ? (uint32_t)(exponent + 126) : 1;
     while (compare_sum(min, ldexp(255, (int)biased - 127), max) < 0)

@@ -248,8 +248,8 @@ static int compare_candidates(const void *a, const void *b)
     return comes_first(a, b) ? -1 : 1;
 }
 
-// Returns a histogram bin. Bins are 1/32 of an octave wide: non-negative doubles are ordered like
-// their bits.
+// Returns a histogram bin. Bins are 1/32 of an octave wide, because they are the high bits of
+// non-negative doubles, which have the order of the numbers.
 static uint32_t waste_bin(double waste)
 {
     uint64_t bits;
@@ -284,7 +284,8 @@ static uint32_t choose_candidates(struct optimizer *optimizer)
         if (waste > 0)
             optimizer->histogram[waste_bin(waste)]++;
     }
-    uint32_t last = WASTE_BINS, above = 0; // bin taken in part, nodes in higher bins
+    uint32_t last = WASTE_BINS, above = 0; // the bin that is taken in part; the number of nodes in
+                                           // higher bins
     while (last > 0 && above + optimizer->histogram[last - 1] <= wanted)
         above += optimizer->histogram[--last];
     uint32_t in_part = wanted - above;
@@ -323,8 +324,8 @@ static double run_batch(struct optimizer *optimizer, const struct candidate *bat
     return sum;
 }
 
-// Reports progress. As the number of rounds is not known in advance, each round reports a part of
-// the remaining fraction.
+// Reports progress. With BVH_OPTIMIZE_LONG the number of rounds is not known in advance, so each
+// round reports a part of the remaining fraction.
 static bool report(const struct optimizer *optimizer, double rounds, struct err *err)
 {
     double part = optimizer->params->effort == BVH_OPTIMIZE_LONG

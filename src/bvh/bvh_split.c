@@ -158,7 +158,7 @@ static void axis_best_split(const struct bin bins[BIN_COUNT], uint32_t axis, uin
     }
     struct bin left = bins[0];
     for (uint32_t i = 1; i < BIN_COUNT; i++) {
-        if (left.count > 0 && bins[i].count > 0) { // otherwise same as its neighbour
+        if (left.count > 0 && bins[i].count > 0) { // otherwise the split equals an adjacent one
             double cost = box_half_area(&left.box) * left.count +
                           box_half_area(&right[i].box) * right[i].count;
             if (split_is_better(cost, left.count, right[i].count, best, count))
@@ -396,8 +396,8 @@ static void swap(struct bvh_primitive *a, struct bvh_primitive *b)
     *b = copy;
 }
 
-// Moves the `middle` smallest centroids to the front (quickselect, Hoare 1961). Ids differ, so no
-// keys are equal.
+// Moves the `middle` primitives with the smallest centroids to the front (quickselect, Hoare 1961).
+// Ids differ, so no keys are equal.
 static void select_smallest(struct bvh_primitive *primitives, uint32_t count, uint32_t middle,
                             int axis)
 {
@@ -441,9 +441,9 @@ static uint32_t split_median(struct bvh_primitive *primitives, const struct bvh_
     return range->count / 2;
 }
 
-// Moves the centroids below their mean on the widest axis to the front; uses the median if that is
-// none or all of them. The summation follows the order of the range, which does not depend on
-// threads.
+// Moves the primitives whose centroids are below the mean on the widest axis to the front. Splits
+// at the median if these are none or all of the primitives. The summation follows the order of the
+// range, which does not depend on threads.
 static uint32_t split_mean(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
     int axis = widest_axis(range);
@@ -468,8 +468,8 @@ static int longest_axis(const struct bvh_box *box)
     return longest;
 }
 
-// Moves the centroids below the centre of the box, along its longest axis, to the front; uses the
-// median if that is none or all of them.
+// Moves the primitives whose centroids are below the centre of the box, along its longest axis, to
+// the front. Splits at the median if these are none or all of the primitives.
 static uint32_t split_middle(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
     int axis = longest_axis(&range->box);

@@ -35,11 +35,13 @@ static bool check_counts(const struct validator *validator)
         return err_set(validator->err, ERR_INPUT, "BVH: node_count: %u is not in [1, 2^31)",
                        bvh->node_count);
     if (bvh->triangle_count != validator->params->triangle_count)
-        return err_set(validator->err, ERR_INPUT, "BVH: %u triangles, expected %u",
+        return err_set(validator->err, ERR_INPUT, "BVH: %u triangles; expected %u",
                        bvh->triangle_count, validator->params->triangle_count);
     if (bvh->reference_count < bvh->triangle_count ||
         bvh->reference_count > bvh_leaf_index_max(bvh->max_leaf))
-        return err_set(validator->err, ERR_INPUT, "BVH: %u references for %u triangles",
+        return err_set(validator->err, ERR_INPUT,
+                       "BVH: %u references for %u triangles; expected at least one per triangle, "
+                       "and no more than leaf words can index",
                        bvh->reference_count, bvh->triangle_count);
     return true;
 }
@@ -108,7 +110,7 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
     uint32_t count = bvh_leaf_count(bvh, leaf), most = bvh_max_leaf(&params->method);
     if (count > most)
         return err_set(validator->err, ERR_INPUT,
-                       "BVH: a leaf has %u triangles, expected at most %u", count, most);
+                       "BVH: a leaf has %u triangles; expected at most %u", count, most);
     if (first >= bvh->reference_count || count > bvh->reference_count - first)
         return err_set(validator->err, ERR_INPUT,
                        "BVH: a leaf has triangles %u to %u of %u in leaf order", first,
@@ -202,7 +204,7 @@ static bool check_stats(const struct validator *validator)
         return false;
     if (have->depth != want.depth || have->stack_entries != want.stack_entries)
         return err_set(validator->err, ERR_INPUT,
-                       "BVH: depth %u and stack_entries %u, expected %u and %u", have->depth,
+                       "BVH: depth %u and stack_entries %u; expected %u and %u", have->depth,
                        have->stack_entries, want.depth, want.stack_entries);
     if (want.stack_entries > BVH_STACK_ENTRIES_MAX)
         return err_set(validator->err, ERR_INPUT, "BVH: stack_entries: %u is more than %u",

@@ -62,9 +62,9 @@ static double extent(const struct bvh_box *box, int axis)
 }
 
 // Quantisation grows a box by about one grid step, 1/128 of the node's box, along each axis. A box
-// is lost in a node, for example in one with an infinite plane, if that multiplies its area by more
-// than LOST_RATIO: the box's own children could not be distinguished if they were children of the
-// node.
+// is lost in a node, for example in one with an infinite plane, if this growth multiplies its area
+// by more than LOST_RATIO. Then the box's own children could not be distinguished if they were
+// children of the node.
 #define GRID_STEP (1.0 / 128)
 #define LOST_RATIO 256
 
