@@ -63,8 +63,8 @@ static uint64_t total_at(const struct allotment *a, double scale)
     return total;
 }
 
-// Returns the greatest scale that keeps within the budget, by bisection between powers of two: the
-// total grows with the scale, and a fixed number of steps gives the same result everywhere.
+// Returns the greatest scale that keeps within the budget, by bisection between powers of 16. The
+// total grows with the scale. A fixed number of steps gives the same result everywhere.
 static double find_scale(const struct allotment *a, uint64_t budget)
 {
     double low = 0.0, high = 1.0;
@@ -188,7 +188,7 @@ static struct tile_box tile_box(const struct renderer *r, uint32_t tile)
     };
 }
 
-// Tiles of the rows that are rendered, which lie in a row.
+// The tiles of the rows that are rendered. Their numbers are consecutive.
 struct tile_range {
     uint32_t first, end;
 };

@@ -49,12 +49,12 @@ bool tile_plan_make(const struct tile_plan_params *params, struct arena *arena,
 // Returns the plan with these counts, which the caller keeps alive.
 struct tile_plan tile_plan_of(uint32_t width, uint32_t height, uint32_t *counts);
 
-// From now on render_call.samples counts rounds of this plan, which is copied. The film must be
+// Copies the plan. From then on render_call.samples counts rounds of this plan. The film must be
 // empty, and the renderer must have been created with `tiles`.
 bool renderer_set_plan(struct renderer *renderer, const struct tile_plan *plan, struct err *err);
 
 // --- for render.c -------------------------------------------------------------------------------
-// Begins the next pass of the rounds up to round_target; false when there is none.
+// Begins the next pass of the rounds up to round_target. Returns false when there is none.
 bool tile_pass_begin(struct renderer *renderer);
 // Returns whether the first pass, which takes one sample of every pixel, is over.
 bool tiles_all_begun(const struct renderer *renderer);

@@ -10,7 +10,9 @@
 #include <math.h>
 
 #define LOBES_DIFFUSE (LOBE_LAMBERT | LOBE_DIFFUSE_TRANSMISSION)
-#define LOBES_SCATTERING (LOBE_ROUGH - 1) // lower bits: lobes; higher bits: properties of lobes
+#define LOBES_SCATTERING                                                                           \
+    (LOBE_ROUGH - 1) // lower bits are lobes; higher bits are properties of
+                     // lobes
 
 // Returns whether scattered rays may hit some emitter without a shadow ray having been aimed at it.
 static bool leaves_to_chance(const struct scene *scene, const struct specialization *s)
@@ -22,7 +24,7 @@ static bool leaves_to_chance(const struct scene *scene, const struct specializat
            s->directions != DIRECTIONS_BSDF || (s->lobes & LOBES_SCATTERING & ~LOBES_DIFFUSE) != 0;
 }
 
-// Returns the least factor by which textures scale a material's roughness.
+// Returns the least roughness of a material, including the textures that scale it.
 static double least_roughness(const struct scene *scene, const struct material *material)
 {
     double least = (double)material->roughness;
@@ -57,8 +59,8 @@ static double sharpest_reflection(const struct scene *scene, const struct materi
     return 1.0 / (2.0 * M_PI * alpha / aspect * narrow * narrow);
 }
 
-// Returns the greatest density, per solid angle, with which a material samples a direction.
-// Infinite for delta lobes, and for refraction, coats and cosine powers, which may be nearly delta.
+// Returns the greatest density, per solid angle, with which a material samples a direction. It is
+// infinite for delta lobes, and for refraction, coats and cosine powers, which may be nearly delta.
 static double sharpest_of_material(const struct scene *scene, const struct material *material)
 {
     bool has_layers = material->model == MATERIAL_PRINCIPLED &&
@@ -88,7 +90,7 @@ static bool looks_far(const struct scene *scene, const struct emitters *emitters
 }
 
 // Returns the greatest density, per solid angle, with which a used surface of the scene samples a
-// direction. Infinite if MIS does not weight BSDF samples against shadow rays everywhere.
+// direction. It is infinite if MIS does not weight BSDF samples against shadow rays everywhere.
 static double sharpest_lobe(const struct scene *scene, const struct flat_scene *flat,
                             const struct specialization *s, const struct emitters *emitters)
 {
@@ -125,8 +127,9 @@ static float greatest_of_suns(const struct scene *scene, const struct emitters *
     return (float)greatest;
 }
 
-// Returns the greatest radiance of the environment that is found by chance. `density / 4`: within a
-// cell between texels the density is at least a quarter of that of the cell's brightest texel.
+// Returns the greatest radiance of the environment that is found by chance. The texel's density is
+// divided by 4, because the density in a cell between texels may be as low as a quarter of that of
+// its brightest texel.
 static float greatest_of_environment(const struct environment *environment,
                                      const struct emitters *emitters, double sharpest)
 {

@@ -196,7 +196,7 @@ static bool write_file(const char *path, const struct checkpoint_text *text,
     return false;
 }
 
-// Blocks have whole records.
+// Returns the size of a block: a whole number of records.
 static uint64_t block_bytes(uint32_t aovs)
 {
     return CHECKPOINT_BLOCK_BYTES - CHECKPOINT_BLOCK_BYTES % (16 * AOV_FILM_WORDS(aovs));
@@ -248,7 +248,8 @@ static bool get(const struct checkpoint *c, void *data, uint64_t bytes, struct e
 static bool measure(const struct checkpoint *c, uint64_t *bytes, struct err *err)
 {
     return file_stream_size(c->file, bytes) ||
-           err_set(err, ERR_INPUT, "%s: its size is not known: %s", c->path, strerror(errno));
+           err_set(err, ERR_INPUT, "%s: its size cannot be determined: %s", c->path,
+                   strerror(errno));
 }
 
 static bool fail_damaged(const struct checkpoint *c, const char *where, struct err *err)

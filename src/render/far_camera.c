@@ -6,9 +6,9 @@
 #include "shared/methods.h"
 #include <math.h>
 
-// Ratio of distance to bounding radius above which a direction in single precision has an error of
-// more than 2^-24 * 2^12 radii at the scene: a tenth of a pixel if the scene fills an image of 800
-// pixels.
+// The ratio of distance to bounding radius above which a direction in single precision has an error
+// of more than 2^-24 * 2^12 radii at the scene: a tenth of a pixel if the scene fills an image of
+// 800 pixels.
 #define FAR_RATIO 4096.0
 
 // A camera and the bounding sphere of everything that has bounds, in the flat scene's unit.

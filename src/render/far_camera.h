@@ -7,8 +7,8 @@
 
 #include "flatten/flatten.h"
 
-// Returns whether the camera is so far away that FEATURE_FAR_CAMERA is needed. Always false for
-// panoramas, whose pixels are larger than the error of directions.
+// Returns whether the camera is so far away that FEATURE_FAR_CAMERA is needed. It is always false
+// for panoramas, whose pixels are larger than the error of directions.
 bool camera_is_far(const struct flat_scene *flat, const struct camera *camera);
 
 // Returns the distance from the camera, along its line of sight and in the flat scene's unit, at
@@ -31,7 +31,7 @@ struct far_fault {
 };
 struct far_fault far_camera_judge(const struct flat_scene *flat, const struct camera *camera,
                                   uint32_t height);
-// Warns of such a problem.
+// Warns of the problem that far_camera_judge() finds, if any.
 void far_camera_warn(const struct flat_scene *flat, const struct camera *camera, uint32_t height);
 
 #endif

@@ -35,7 +35,7 @@ static void add_sum(uint32_t *to, uint32_t to_top, const uint32_t *from, uint32_
     uint32_t top = to_top > from_top ? to_top : from_top;
     for (uint32_t digit = to_top; digit < top && digit < to_top + 2; digit++)
         empty_bin(to, (digit + 1) & 1u);
-    // The part's higher bin holds digit from_top, its lower bin digit from_top - 1.
+    // The higher bin of `from` holds digit from_top, its lower bin digit from_top - 1.
     if (from_top + 1 >= top)
         add_bin(to, from, from_top & 1u);
     if (from_top == top)
@@ -85,7 +85,8 @@ static void keep_brightest(uint32_t *to, const uint32_t *from)
         memcpy(to, from, 2 * 4 * sizeof *to);
 }
 
-// precedes: the part's samples come before those of `to`, whose ids are then replaced.
+// Adds the record of one pixel. precedes: the samples of `from` come before those of `to`, whose
+// ids are then replaced.
 static void add_pixel(uint32_t aovs, uint32_t *to, const uint32_t *from, bool precedes)
 {
     const uint32_t ids = 4 * (AOV_FILM_WORDS(aovs) - 1), classes = 4 * AOV_FILM_CLASSES_AT(aovs);

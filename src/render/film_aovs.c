@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
-// Finds the pictures of floats in struct film_aovs.
+// The images of floats in struct film_aovs.
 static const struct plane {
     uint32_t aov, components;
     size_t member;
@@ -114,7 +114,7 @@ static void read_ids(const uint32_t words[2], const struct flat_scene *flat, uin
     ids[2] = triangle + 1;
 }
 
-// `words`: the part of the pixel's record that has its classes.
+// Reads the classes of a pixel. words: the part of its record from the classes on.
 static void read_classes(const struct film_aovs *aovs, uint64_t at, const uint32_t *words)
 {
     const uint32_t count = aovs->class_count;

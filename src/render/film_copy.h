@@ -33,8 +33,8 @@ bool film_copy_put_bytes(struct renderer *renderer, uint64_t at, const void *dat
 // film has no sample, and no records are copied.
 bool film_copy_take(struct renderer *renderer, bool is_empty, struct arena *arena,
                     struct film_copy *out, struct err *err);
-// Writes the copy to the film of a reopened renderer. The seconds in the renderer's statistics
-// continue.
+// Writes the copy to the film of a reopened renderer. The renderer keeps the seconds of its own
+// statistics.
 bool film_copy_put(const struct film_copy *copy, struct renderer *renderer, struct err *err);
 // Adds the film `part` to `to`. Both must be copies of films of this renderer, or of another one
 // with the same scene, settings and device. Both must have records, and no sample may be in both.
@@ -45,8 +45,8 @@ bool film_copy_put(const struct film_copy *copy, struct renderer *renderer, stru
 // sample belongs to the other half-buffer.
 bool film_copy_add(const struct renderer *renderer, const struct film_copy *part,
                    struct film_copy *to, struct err *err);
-// Adds the records of `pixels` pixels of such films. aovs: the renderers' specialization.aovs;
-// precedes: the first sample of the part is before that of `to`.
+// Adds the records of `pixels` pixels of films that film_copy_add() accepts. aovs: the renderers'
+// specialization.aovs; precedes: the first sample of the part is before that of `to`.
 void film_records_add(uint32_t aovs, const char *part, char *to, uint64_t pixels, bool precedes);
 
 #endif

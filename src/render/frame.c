@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// start: the result of far_camera_start().
+// Sets the members for the lens. start: the result of far_camera_start().
 static void set_lens(struct gpu_frame *frame, const struct camera *camera, double scale,
                      double start)
 {
@@ -22,8 +22,8 @@ static void set_lens(struct gpu_frame *frame, const struct camera *camera, doubl
     frame->lens_blades = camera->lens_blades;
 }
 
-// Computed in double precision: with a narrow field of view few digits would be left in single
-// precision.
+// Sets the members for the camera. They are computed in double precision, because with a narrow
+// field of view few digits would be left in single precision.
 static void set_camera(struct gpu_frame *frame, const struct camera *camera,
                        const struct flat_scene *flat)
 {
@@ -51,8 +51,8 @@ static void set_cells(struct gpu_frame *frame, const struct flat_scene *flat)
     }
 }
 
-// Sets the sphere that photons of infinitely far emitters are aimed at. Only infinite planes extend
-// beyond these bounds.
+// Sets the sphere at which light paths of infinitely far emitters are aimed. Only infinite planes
+// extend beyond these bounds.
 static void set_bounding_sphere(struct gpu_frame *frame, const struct flat_scene *flat)
 {
     bool is_empty = flat->bounds_min[0] > flat->bounds_max[0];

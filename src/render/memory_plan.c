@@ -11,17 +11,17 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// Measured (docs/performance.md): a dispatch on lavapipe costs some 65 us to wake its threads, so
-// larger waves pay until the path state leaves the caches. GPUs want enough paths to fill every
-// lane many times over.
+// According to measurements (docs/performance.md), a dispatch on lavapipe takes about 65 us to wake
+// its threads, so larger waves are faster until the path state leaves the caches. GPUs need enough
+// paths to fill every lane many times over.
 #define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
 // On wide devices the last bounces of a wave, which have few paths, run at the same time as the
 // first bounces of the next wave. If memory limits the two waves to fewer paths than this, one
 // larger wave is faster.
 #define LEAST_OF_TWO_WAVES (1u << 17)
-// Items that one dispatch takes at most: 64k rays take lavapipe about 20 ms, 1M rays take a GPU a
-// few ms.
+// The maximum number of items of one dispatch. 64k rays take lavapipe about 20 ms; 1M rays take a
+// GPU a few ms.
 #define CPU_PART 65536u
 #define GPU_PART (1u << 20)
 #define RESOLVE_PIXELS (1u << 20)
@@ -180,7 +180,7 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     if (slots < unit)
         slots = unit;
     if (p->wave && !p->wave_is_wish && slots < wanted / unit * unit)
-        log_warn("wave of %" PRIu64 " paths lowered to %" PRIu64
+        log_warn("a wave of %" PRIu64 " paths is lowered to %" PRIu64
                  ": the device's buffers hold %s, its texel buffers %" PRIu64 " elements",
                  wanted, slots, memory_print(range).text, gpu->max_texel_elements);
     return (uint32_t)slots;
@@ -305,7 +305,7 @@ static bool check(const struct memory_plan_params *p, const struct memory_plan *
         snprintf(parts, sizeof parts, " (%s in each of %u bindings that are left)",
                  memory_print(part_bytes(p->gpu)).text, 1 + parts_left(p->gpu, plan->parts));
     return err_set(err, ERR_GPU,
-                   "buffer %s needs %s, but %s takes at most %s a buffer%s: expected %s",
+                   "buffer %s needs %s, but %s allows at most %s per buffer%s; expected %s",
                    binding_name(b), memory_print(bytes).text, p->gpu->info.name,
                    memory_print(limit).text, parts, advice(p, b));
 }
@@ -337,7 +337,7 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
     uint64_t host_needed = pixels * host_bytes + (is_shared ? further : 0);
     if (plan->total_bytes > device)
         return err_set(err, ERR_GPU,
-                       "the plan needs %s of device memory, but %s has %s left: expected a smaller "
+                       "the plan needs %s of device memory, but %s has %s left; expected a smaller "
                        "scene, picture (--size) or --wave",
                        memory_print(plan->total_bytes).text, p->gpu->info.name,
                        memory_print(device).text);
@@ -345,7 +345,7 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
         return false;
     if (host_needed > host)
         return err_set(err, ERR_SYSTEM,
-                       "the plan needs %s of memory, but %s are free: expected a smaller picture "
+                       "the plan needs %s of memory, but %s are free; expected a smaller picture "
                        "(--size)",
                        memory_print(host_needed).text, memory_print(host).text);
     return true;
@@ -379,7 +379,7 @@ static bool plan_picture(const struct memory_plan_params *p, struct memory_plan 
     out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));
     if (out->film_chunk_pixels == 0)
         return err_set(err, ERR_GPU,
-                       "a storage range of %" PRIu64 " bytes holds no pixel: expected at least %d",
+                       "a storage range of %" PRIu64 " bytes holds no pixel; expected at least %d",
                        range, 16 * AOV_FILM_WORDS(aovs));
     out->film_chunks = (uint32_t)((pixels + out->film_chunk_pixels - 1) / out->film_chunk_pixels);
     out->resolve_pixels = least(least(out->film_chunk_pixels, RESOLVE_PIXELS),
@@ -473,7 +473,7 @@ static bool make_fitting(const struct memory_plan_params *p, struct memory_plan 
             smaller.waves = 1;
         else
             smaller.wave = slots / 2;
-        smaller.wave_is_wish = true; // warned about below
+        smaller.wave_is_wish = true; // this function warns about it below
         if (!make(&smaller, out, err))
             return false;
         if (smaller.wave == slots / 2 && out->wave_slots >= slots)

@@ -18,7 +18,7 @@ struct planned_buffer {
 
 struct memory_plan {
     struct planned_buffer buffers[BINDING_COUNT];
-    uint32_t waves;             // in flight: 1 or 2
+    uint32_t waves;             // number of waves in flight, 1 or 2
     uint32_t wave_slots;        // path slots of a wave, a multiple of the workgroup size
     uint32_t wave_samples;      // samples of a wave; fewer than slots if paths split
     uint32_t part_items;        // maximum number of a queue's items that one dispatch processes

@@ -3,8 +3,8 @@
 #include "shared/types.h"
 #include <math.h>
 
-// Samples of the first wave. Its dispatches have 1,024 items; even if an item took as long as 1 us,
-// that is far below the dangerous duration.
+// The number of samples of the first wave. Its dispatches have 1,024 items; even if an item took as
+// long as 1 us, that is far below the dangerous duration.
 #define FIRST_SAMPLES 65536u
 #define LEAST_SAMPLES 4096u
 // The maximum factor by which the size grows from one wave to the next, because times of few items

@@ -105,7 +105,8 @@ static bool find_orthographic(const struct projection *p, const double to[3], st
     return out->depth > 0.0;
 }
 
-// nearness: 1 / depth of the point; 0: infinitely far.
+// Projects a point for a perspective camera. is_far: `to` is the direction of an infinitely far
+// point.
 static bool find_perspective(const struct projection *p, const double to[3], bool is_far,
                              struct projected *out)
 {

@@ -34,7 +34,7 @@ void projection_make(const struct camera *camera, const struct flat_scene *flat,
 void projection_ray(const struct projection *p, double x, double y, double origin[3],
                     double direction[3]);
 
-// Projects a point in the flat scene's space; false if it is behind the camera.
+// Projects a point in the flat scene's space. Returns false if it is behind the camera.
 bool projection_find(const struct projection *p, const double point[3], struct projected *out);
 // Projects a point at infinity in a direction, which is a unit vector. Lengths in *out are angles,
 // and areas are solid angles.

@@ -214,7 +214,7 @@ static bool check_workgroup(const struct gpu *gpu, uint32_t workgroup, struct er
     if (workgroup <= gpu->max_invocations && (workgroup & (workgroup - 1)) == 0)
         return true;
     return err_set(err, ERR_USAGE,
-                   "a workgroup of %u threads: expected a power of two of at most %u, the device's "
+                   "a workgroup of %u threads; expected a power of two of at most %u, the device's "
                    "limit",
                    workgroup, gpu->max_invocations);
 }
@@ -403,7 +403,7 @@ bool renderer_reopen(struct renderer *r, uint32_t wave, struct err *err)
 
 // --- rendering -----------------------------------------------------------------------------------
 
-// From now on a ray that exceeds its iteration budget is suspended; so far, it made the wave void.
+// Lets a ray that exceeds its iteration budget be suspended. Before, such a ray made the wave void.
 static bool enable_suspension(struct renderer *r, struct err *err)
 {
     log_warn("some rays need more than %u steps through the BVH: continuing with "
@@ -650,7 +650,7 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         .total = has_tiles(r) ? (double)tile_samples(r, c.samples) : pixels * (double)c.samples,
     };
     uint64_t end = r->next_sample + c.samples;
-    if (!wave_forget_ahead(r, err)) // begun by a call that failed
+    if (!wave_forget_ahead(r, err)) // a wave begun by a call that failed
         return false;
     sampling_plan_check(r, c.samples);
     while (!*c.stopped && begin_pass(r, end)) {

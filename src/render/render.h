@@ -48,8 +48,8 @@ struct renderer_params {
     // and belong to this scene; `bvh`, `instancing` and `bvh_cache` are then ignored. NULL: the
     // renderer prepares its own geometry.
     const struct geometry *geometry;
-    const struct kernel_set *kernels; // NULL: the embedded ones. Must outlive the device, or be
-                                      // forgotten by it (gpu_kernels_forget)
+    const struct kernel_set *kernels; // NULL: the embedded ones. They must outlive the device, or
+                                      // be forgotten by it (gpu_kernels_forget)
     uint32_t wave;                    // paths in flight; 0: the device's default
     bool tunes_wave;                  // tunes the default wave size by measured speed: see
                                       // wave_size.h
@@ -64,8 +64,8 @@ struct renderer_params {
     bool merge_classes;    // shades all surfaces with one kernel (--classes merged)
     bool tiles;            // sample counts by tile: see adaptive.h
     bool open_ended;       // the number of samples is not known in advance
-    // The film has these pixels only, with the bits that they have in the whole picture. It must be
-    // inside of the picture. Not with tiles, nor with light paths.
+    // The film has these pixels only, with the bits that they have in the whole picture. The window
+    // must be inside of the picture. It cannot be combined with tiles or light paths.
     struct render_window window;
     const struct progress *progress;
 };
@@ -229,8 +229,8 @@ struct renderer {
     uint64_t round_target;   // with tiles: the round at which the current passes end
     uint64_t emptied_at;     // next_sample when the film was last emptied
     struct pass pass;
-    bool takes_pairs; // passes have an even number of samples, except for the last one: the halves
-                      // of a part that was stopped between two passes have equally many
+    bool takes_pairs; // all passes except the last have an even number of samples, so that the
+                      // halves of a part that is stopped between two passes have equally many
     struct tiles tiles;
     struct render_stats stats;
     const struct progress *progress;
@@ -308,11 +308,11 @@ void renderer_set_rows(struct renderer *renderer, const struct film_rows *rows);
 // Means of the half-buffers, and sample counts. Pixels are in rows from the top.
 struct film_image {
     uint32_t width, height;
-    float (*mean)[3];   // over all samples
-    float (*half_a)[3]; // over the even samples
-    float (*half_b)[3]; // over the odd ones; (0,0,0) with one sample
+    float (*mean)[3];   // mean over all samples
+    float (*half_a)[3]; // mean of the first half-buffer
+    float (*half_b)[3]; // mean of the second half-buffer; (0, 0, 0) with one sample
     uint32_t *samples;
-    struct film_rows rows;                // that were rendered; those outside are black
+    struct film_rows rows;                // the rows that were rendered
     uint64_t least_samples, most_samples; // least and most samples of a pixel of these rows
     uint64_t unsampled;                   // number of their pixels without a sample
     uint64_t dropped;                     // number of samples that lost a non-finite contribution

@@ -4,7 +4,7 @@
 
 #include "render/render.h"
 
-// How the samples of a method depend on the planned number of samples a pixel.
+// Ways in which the samples of a method depend on the planned number of samples per pixel.
 enum sample_planning {
     PLANNING_NONE,     // the first samples are the same however many follow
     PLANNING_OPTIONAL, // a known number divides the sequence among pixels, but is not required

@@ -97,7 +97,8 @@ static bool read_module(struct rewrite *w)
     return true;
 }
 
-// Takes the types of parameters: the functions are declared with values, not pointers.
+// Takes the types from the parameters, because the functions are declared with values, not
+// pointers.
 static bool find_types(struct rewrite *w)
 {
     const struct function *value = &w->functions[FUNCTION_VALUE];
@@ -277,7 +278,8 @@ static bool write_program(struct rewrite *w, const struct sdf *sdf)
     return true;
 }
 
-// lavapipe masks inactive lanes: each loop counts once, whichever program is evaluated.
+// Adds the loops of all programs to sdf_rounds. lavapipe masks inactive lanes, so each loop counts
+// once, whichever program is evaluated.
 static void count_loops(struct rewrite *w, const struct scene *scene)
 {
     const uint32_t with_loops = SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) |

@@ -359,8 +359,7 @@ static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
     return features;
 }
 
-// All lobes that shading may need, except those that would change the result for materials that
-// lack them.
+// All lobes that shading may need.
 #define LOBES_ALL (LOBE_END - 1u)
 
 static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLASS_COUNT])

@@ -33,8 +33,8 @@ struct specialization {
     uint32_t parts;    // number and length of the parts of long buffers: see memory_plan.h
     uint32_t part_shift;
     uint32_t environment_filter; // ENVIRONMENT_FILTER_*; nearest if there is no image
-    uint32_t pixel_sampling;     // PIXEL_SAMPLING_*; that of the sampler if no error is distributed
-                                 // over pixels
+    uint32_t pixel_sampling;     // PIXEL_SAMPLING_*; PIXEL_SAMPLING_SAMPLER if samples are not
+                                 // spread over pixels
     uint32_t leaf_index_bits;    // bvh_leaf_index_bits()
     uint32_t normals;            // NORMALS_*
     uint32_t radiance_scaling;
@@ -86,7 +86,7 @@ struct specialization specialize(const struct specialize_params *params);
 // Sets the number of threads of a workgroup, and the members that depend on that number.
 void specialization_set_workgroup(struct specialization *s, const struct gpu *gpu,
                                   uint32_t workgroup);
-// From now on rays that exceed their budget are suspended and continue in a later dispatch.
+// Lets rays that exceed their budget be suspended and continue in a later dispatch.
 void specialization_suspend(struct specialization *s);
 // Sets whether the traversal kernels count their steps; only measurements need that.
 void specialization_count_steps(struct specialization *s, bool on);

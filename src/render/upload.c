@@ -38,8 +38,8 @@ static bool number_all_places(const struct upload_params *p, uint32_t *numbers,
 
 struct records {
     const struct upload_params *p;
-    // Writes the record of the triangle at a position of the leaf order; the record is zeroed
-    // before.
+    // Writes the record of the triangle at a position of the leaf order; the caller has zeroed the
+    // record.
     void (*fill)(const struct records *records, uint32_t place, void *out);
     uint32_t bytes;           // size of a record
     const uint32_t *emitters; // emitter number of each position
@@ -166,7 +166,7 @@ static void fill_colors(const struct flat_scene *flat, uint32_t id, uint32_t (*w
     }
 }
 
-// Fills the attributes of one triangle, in the order of shared/types.h; they are zeroed before.
+// Fills the attributes of one triangle, in the order of shared/types.h; the caller has zeroed them.
 static void fill_attributes(const struct upload_params *p, uint32_t id, uint32_t (*word)[4])
 {
     uint32_t features = p->specialization->features;

@@ -509,7 +509,7 @@ bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wav
 
 // --- compiling -----------------------------------------------------------------------------------
 
-// Zeroes all counters, so that kernels find no work. The kernels below are compiled that way.
+// Zeroes all counters, so that kernels find no work. run_on_nothing() relies on this.
 bool wave_clear_counters(struct renderer *r, struct err *err)
 {
     r->ahead.is_begun = false;

@@ -33,7 +33,8 @@ uint32_t wave_kernel_instructions(const struct renderer *renderer,
 bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 
 // --- step by step --------------------------------------------------------------------------------
-// These are for replay.c, which follows one path, and kernel_recording.c, which repeats a kernel.
+// The following declarations are for replay.c, which follows one path, and for kernel_recording.c,
+// which repeats a kernel.
 
 // A kernel, and its position in the wavefront loop.
 struct wave_step {

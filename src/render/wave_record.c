@@ -73,7 +73,9 @@ static bool make_room(struct wave_loop *l, enum kernel_id kernel, uint32_t items
         return true;
     return record_run(r, err) && record_begin(r, l->wave, err) &&
            (!l->is_paced || pace_takes(&r->pace, kernel, items) ||
-            err_set(err, ERR_BUG, "an empty submission that takes nothing"));
+            err_set(
+                err, ERR_BUG,
+                "an empty submission has no room for a dispatch; expected room for any dispatch"));
 }
 
 bool record_items(struct wave_loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
@@ -181,8 +183,8 @@ static void learn(struct renderer *r, const struct mark *m, double ns)
     pace_learn(&r->pace, m->kernel, is_known ? m->items : items_found(r, m), ns);
 }
 
-// ns: the times at which marks were passed; NULL: only the total time is known, which is then
-// divided in proportion to the expected times.
+// Passes the times of a submission to the pace. ns: the times at which marks were passed; NULL:
+// only the total time is known, which is then divided in proportion to the expected times.
 static void learn_all(struct renderer *r, const double *ns, double total_ns)
 {
     double expected = r->pace.recorded_ns;

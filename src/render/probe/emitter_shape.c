@@ -198,7 +198,8 @@ static void place_in_disc_of(const double center[3], const double normal[3], dou
     combine(center, radius * at[0], u, radius * at[1], v, out);
 }
 
-// Places points on the visible part of a shape. For a cylinder this is the part of its side.
+// Places points over the outline of a shape, as seen along a direction. The caps of a cylinder are
+// left out.
 static void place_in_shape(const struct flat_shape *shape, const double direction[3],
                            uint32_t number, uint32_t count, double out[3])
 {

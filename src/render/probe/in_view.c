@@ -9,22 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-// In pixels. With two samples a pixel, both miss a larger emitter with a probability of less than
-// exp(-10).
+// The maximum area, in pixels, of an emitter that samples may miss. With two samples per pixel, all
+// samples miss a larger emitter with a probability below exp(-10).
 static const double part_max = 5;
 
 // For pixels within this distance, in pixels, of an emitter's centre, the part of each pixel that
 // it covers is computed separately.
 static const double split_reach = 2;
 
-static const double texel_excess = 16; // times the median texel
+static const double texel_excess = 16; // texels count from this multiple of the median texel on
 
 // With these limits, 2 * 10^5 emitters take about 0.3 s on a CPU.
 enum {
     LIGHTS_MAX = 1 << 14, // the number of pixels kept, the brightest ones
     FEW_LIGHTS = 4096,
-    PROBES = 16, // rays to each group: up to FEW_LIGHTS groups, and beyond
-    PROBES_OF_MANY = 4,
+    PROBES = 16,            // rays to each of at most FEW_LIGHTS groups
+    PROBES_OF_MANY = 4,     // rays to each group if there are more
     PROBES_OF_HIDDEN = 256, // maximum number of rays to groups that no ray has reached
     RAYS_OF_HIDDEN = 1 << 17,
     RAYS_AT_ONCE = 1 << 14,
@@ -343,8 +343,7 @@ static void visit_emitters(struct search *search, emitter_fn visit)
     visit_texels(search, visit);
 }
 
-// --- the candidates of one pixel
-// ------------------------------------------------------------------
+// --- the candidates of one pixel -----------------------------------------------------------------
 
 static int compare_numbers(uint64_t a, uint64_t b)
 {

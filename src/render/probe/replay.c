@@ -202,7 +202,7 @@ bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample
     if (r->specialization.split_lobes > 0)
         return err_set(
             err, ERR_INPUT,
-            "--pixel follows only paths that do not split, but split_lobes is %u: expected "
+            "--pixel follows only paths that do not split, but split_lobes is %u; expected "
             "--split-lobes 0",
             r->scene->settings.split_lobes);
     struct follower f = {.r = r, .arena = arena, .out = out};

@@ -275,7 +275,7 @@ static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height,
         return true;
     if (pixels * WORD_BYTES > d->gpu->max_storage_range)
         return err_set(err, ERR_GPU,
-                       "a denoised preview of %u x %u pixels takes buffers of %s, expected at most "
+                       "a denoised preview of %u x %u pixels takes buffers of %s; expected at most "
                        "%s, the device's limit (maxStorageBufferRange)",
                        width, height, memory_print(pixels * WORD_BYTES).text,
                        memory_print(d->gpu->max_storage_range).text);
@@ -300,15 +300,15 @@ static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height,
 static bool check(const struct denoise_call *call, struct err *err)
 {
     if (call->motion_count > DENOISE_MOTIONS_MAX)
-        return err_set(err, ERR_BUG, "%u objects moved, expected at most %u", call->motion_count,
+        return err_set(err, ERR_BUG, "%u objects moved; expected at most %u", call->motion_count,
                        DENOISE_MOTIONS_MAX);
     if (call->iterations > DENOISE_LEVELS)
-        return err_set(err, ERR_USAGE, "%u levels of the denoiser's wavelet, expected 1 to %u",
+        return err_set(err, ERR_USAGE, "%u levels of the denoiser's wavelet; expected 1 to %u",
                        call->iterations, DENOISE_LEVELS);
     uint32_t missing = DENOISE_AOVS & ~call->renderer->specialization.aovs;
     if (missing != 0)
         return err_set(err, ERR_BUG,
-                       "the denoiser's renderer lacks layers 0x%x, expected all of 0x%x", missing,
+                       "the denoiser's renderer lacks layers 0x%x; expected all of 0x%x", missing,
                        DENOISE_AOVS);
     return true;
 }

@@ -198,13 +198,13 @@ static bool check_side(const struct side *side, struct err *err)
     uint32_t needed = film_aovs_of_device(display_aovs(shown));
     if ((r->specialization.aovs & needed) != needed)
         return err_set(err, ERR_BUG,
-                       "%s cannot be shown: the renderer was made with AOVs 0x%x, "
+                       "%s cannot be shown: the renderer was made with AOVs 0x%x; "
                        "expected 0x%x among them",
                        shown_names[shown], r->specialization.aovs, needed);
     if (denoiser && shown == SHOWN_RADIANCE &&
         (denoiser->width != r->frame.width || denoiser->height != r->frame.height))
         return err_set(err, ERR_BUG,
-                       "a denoised picture of %u x %u pixels, expected %u x %u as of "
+                       "a denoised picture has %u x %u pixels; expected %u x %u, the size of "
                        "the film",
                        denoiser->width, denoiser->height, r->frame.width, r->frame.height);
     return true;
@@ -356,7 +356,7 @@ static bool check_call(const struct display *d, const struct display_call *call,
     uint64_t pixels = (uint64_t)call->width * call->height;
     if (call->shown >= SHOWN_COUNT || call->side_count > 2 || pixels == 0)
         return err_set(err, ERR_BUG,
-                       "picture %u of %u sides, %u x %u pixels: expected one below %u, of at most "
+                       "picture %u of %u sides, %u x %u pixels; expected one below %u, of at most "
                        "2, with pixels",
                        call->shown, call->side_count, call->width, call->height, SHOWN_COUNT);
     if (pixels > d->gpu->max_storage_range / sizeof(uint32_t))
@@ -366,11 +366,11 @@ static bool check_call(const struct display *d, const struct display_call *call,
     if (call->side_count == 0)
         return true;
     if (p[2] == 0 || p[3] == 0 || p[2] > DISPLAY_SIDE_MAX || p[3] > DISPLAY_SIDE_MAX)
-        return err_set(err, ERR_BUG, "a picture of %u x %u pixels, expected 1 to %u each", p[2],
+        return err_set(err, ERR_BUG, "a picture of %u x %u pixels; expected 1 to %u each", p[2],
                        p[3], DISPLAY_SIDE_MAX);
     if ((uint64_t)p[0] + p[2] > call->width || (uint64_t)p[1] + p[3] > call->height)
         return err_set(err, ERR_BUG,
-                       "a picture of %u x %u pixels at (%u, %u), expected one inside of %u x %u",
+                       "a picture of %u x %u pixels at (%u, %u); expected one inside of %u x %u",
                        p[2], p[3], p[0], p[1], call->width, call->height);
     return true;
 }

@@ -28,8 +28,8 @@ static struct gpu_display_taps taps_of_area(uint64_t at, uint64_t from, uint64_t
 
 static struct gpu_display_taps taps_between(uint64_t at, uint64_t from, uint64_t to, bool nearest)
 {
-    // The position of the pixel's centre in pixels of `from`, times 2 * to. Subtracting below makes
-    // it relative to the centre of the first pixel.
+    // The position of the pixel's centre in pixels of `from`, times 2 * to. The subtraction below
+    // makes it relative to the centre of the first pixel.
     uint64_t twice = (2 * at + 1) * from;
     if (nearest)
         return (struct gpu_display_taps){(uint32_t)(twice / (2 * to)), 1 | 1 << 8, 1, 0};

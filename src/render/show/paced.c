@@ -41,8 +41,8 @@ bool paced_begin(struct paced *p, struct err *err)
     return begin(p, err);
 }
 
-// ns: the times at which marks were passed; NULL: only the total time is known, which is then
-// divided in proportion to the expected times.
+// Learns from the times of a submission. ns: the times at which marks were passed; NULL: only the
+// total time is known, which is then divided in proportion to the expected times.
 static void learn(struct paced *p, const double *ns, double total_ns)
 {
     double expected = p->pace.recorded_ns;
@@ -76,7 +76,9 @@ static bool make_room(struct paced *p, uint32_t kernel, uint32_t items, struct e
         return true;
     return run(p, err) && begin(p, err) &&
            (!p->pace.is_on || pace_takes(&p->pace, kernel, items) ||
-            err_set(err, ERR_BUG, "an empty submission that takes nothing"));
+            err_set(
+                err, ERR_BUG,
+                "an empty submission has no room for a dispatch; expected room for any dispatch"));
 }
 
 bool paced_dispatch(struct paced *p, const struct paced_work *w, struct err *err)

@@ -197,8 +197,8 @@ static double fitted_node(const struct runs *r, const uint32_t at[3], const doub
 }
 
 // Fits the nodes along mu at one node of each other axis. At grazing angles, where energies change
-// by factors from cell to cell, the nodes of the first run are raised as above: little light leaves
-// at these angles, and no energy must be gained.
+// by factors from cell to cell, the nodes of the first run are raised as by raise_cube(): little
+// light leaves at these angles, and no energy must be gained.
 static void fit_row(const struct runs *r, uint32_t j, uint32_t k, const double *node, double *row)
 {
     double raise[ALBEDO_RUN + 1] = {0};

@@ -19,7 +19,7 @@ static double schlick_weight(double cos_theta)
     return pow(1.0 - clamp01(cos_theta), 5.0);
 }
 
-// The same formula as fresnel_dielectric() of lib/fresnel.glsl.
+// Returns the reflectance by the formula of fresnel_dielectric() in lib/fresnel.glsl.
 static double fresnel(double cos_i, double eta)
 {
     double k = (eta - 1.0) * (eta + 1.0);
@@ -44,8 +44,8 @@ struct visible_normals {
     double cosine[ROWS_MAX * COLUMNS_MAX]; // wo.h
 };
 
-// phi is the azimuth of wo. If alpha_x = alpha_y and phi = 0, half of the circle suffices by
-// symmetry.
+// Computes the quadrature. phi is the azimuth of wo. If alpha_x = alpha_y and phi = 0, half of the
+// circle suffices by symmetry.
 static void find_visible_normals(struct visible_normals *n, double mu, double phi, double alpha_x,
                                  double alpha_y, int rows, int columns)
 {
@@ -221,8 +221,8 @@ static double interface_weight(const struct interface *s, const double h[3])
            (1.0 - reflectance) * refraction_weight(s, h, cosine, sqrt(squared) / s->eta);
 }
 
-// Returns the energy that leaves such an interface after one bounce, by a quadrature over visible
-// normals as above. `circle` is the fraction of their azimuths that is integrated.
+// Returns the energy that leaves a rough interface after one scattering event, by a quadrature over
+// visible normals. `circle` is the fraction of their azimuths that is integrated.
 static double interface_albedo(const struct interface *s, double circle, int rows, int columns)
 {
     double tilt_x = s->alpha[0] * s->wo[0] / s->length_o;
@@ -249,7 +249,7 @@ static double interface_albedo(const struct interface *s, double circle, int row
     return sum;
 }
 
-// Does the same for an isotropic interface, for which half of the circle suffices.
+// Returns this energy for an isotropic interface, for which half of the circle suffices.
 static double isotropic_albedo(double mu, double alpha, double eta, bool is_clear)
 {
     // At grazing angles total reflection ends along a line across the visible normals. With half as

@@ -3,7 +3,7 @@
 bool alias_table_build(const double *weights, uint32_t count, struct arena *scratch,
                        struct alias_bin *bins)
 {
-    double *share = ARENA_NEW(scratch, double, count); // how full a bin is; 1: exactly full
+    double *share = ARENA_NEW(scratch, double, count); // content of each bin; 1: full
     uint32_t *small = ARENA_NEW(scratch, uint32_t, count);
     uint32_t *large = ARENA_NEW(scratch, uint32_t, count);
     if (!share || !small || !large)

@@ -113,7 +113,7 @@ static int crossing_flat_shape(const double origin[3], const double direction[3]
         point[c] = from[c] + t * direction[c];
     if (shape->kind == SHAPE_DISC)
         return crossing_plane(direction, normal, t, vec3_dot(point, point) <= radius * radius);
-    // In units of the half edges.
+    // The coordinates a and b of the point are in units of the half edges.
     double across[3], square = vec3_dot(normal, normal);
     vec3_cross(point, v, across);
     double a = vec3_dot(across, normal) / square;

@@ -171,8 +171,8 @@ static struct gpu_light light_record(const struct light *light, float reach)
     return record;
 }
 
-// Reports a light that is so near to the scene, or so far from it, that its contribution, divided
-// by the squared distance, would not be finite.
+// Reports a light that is so far from the scene that its contribution, divided by the squared
+// distance, would not be finite.
 static bool check_place(const struct scene *scene, const struct flat_scene *flat,
                         const struct light *light, const struct light *placed, struct err *err)
 {
@@ -470,8 +470,8 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
     return true;
 }
 
-// The probability of selecting an infinitely far emitter, if the scene also has others: it is not
-// known which group matters more.
+// The probability of selecting an infinitely far emitter, if the scene also has others. It is 1/2,
+// because it is not known which group matters more.
 #define INFINITE_SHARE 0.5
 
 // Writes the buffer: header, pairs of nodes, trails, bins, lamps. If no emitter has power, the tree
@@ -588,7 +588,8 @@ bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
     const struct scene *scene = p->scene;
     const struct flat_scene *flat = p->flat;
     struct emitter_list list;
-    // Twice the diagonal of the bounds: longer than any way between two points within them.
+    // The reach is twice the diagonal of the bounds, which exceeds any distance between two points
+    // within them.
     *out = (struct emitters){.reach = (float)(4.0 * bounding_radius(flat))};
     if (has_planes(flat))
         out->reach = fmaxf(out->reach, (float)PLANES_REACH);

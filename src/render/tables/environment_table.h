@@ -6,15 +6,15 @@
 //
 // If radiance is interpolated between the centres of texels (ENVIRONMENT_FILTER_BILINEAR), it
 // begins with nodes: the radiance of each, and the mean sampling density of the cell between the
-// node, its right neighbour (of the last node: the first one) and the two nodes below. There is one
-// row of nodes for the zenith, one for each row of texels, and one for the nadir. All nodes of a
-// pole have the mean radiance of the texels around it. Within a cell the density is bilinear in
-// longitude and in the cosine of the angle from the zenith, and proportional to the luminance at
+// node, its right neighbour (the row's first node, for the last one) and the two nodes below. There
+// is one row of nodes for the zenith, one for each row of texels, and one for the nadir. All nodes
+// of a pole have the mean radiance of the texels around it. Within a cell the density is bilinear
+// in longitude and in the cosine of the angle from the zenith, and proportional to the luminance at
 // the corners above the table's floor. If the floor is 0, the density is 0 exactly where the
 // radiance is 0.
 //
-// If the image is sampled, there follow the table of rows of texels or cells, and for each row the
-// table of its texels or cells.
+// If the image is sampled, the table of the rows of texels or cells follows, and then for each row
+// the table of its texels or cells.
 //
 // A table of n bins holds n ascending thresholds of 32 bits, four to a word, as a tree: it begins
 // with the word whose components are every 4^k-th threshold, and ends with the words of all

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 // The greatest number of lamps for which a shadow ray to each, from the first vertices of a path,
-// reduces the error by more than it costs: measured (docs/lighting.md).
+// reduces the error by more than it costs, according to measurements (docs/lighting.md).
 #define FEW_LAMPS 5
 #define FIRST_VERTICES 1
 // The number of emitters from which the light tree is used for a single lamp. If the few emitters

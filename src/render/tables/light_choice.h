@@ -12,7 +12,8 @@ struct light_choice {
     uint32_t rays;     // maximum number of shadow rays of a vertex
 };
 
-// `setting`: LIGHT_CHOICE_*. `lamps` is used only if light_choice_asks_lamps() returns true.
+// Returns the strategy that a setting (LIGHT_CHOICE_*) means. `lamps` is used only if
+// light_choice_asks_lamps() returns true.
 struct light_choice light_choice_of(uint32_t setting, uint64_t emitters,
                                     const struct emitter_lamps *lamps);
 bool light_choice_asks_lamps(uint32_t setting);
@@ -20,7 +21,8 @@ bool light_choice_asks_lamps(uint32_t setting);
 struct light_choice_text {
     char text[160];
 };
-// Returns texts that tell to which emitters vertices send shadow rays, and why the default is so.
+// Returns a text for display: to which emitters vertices send shadow rays and, if the setting is
+// LIGHT_CHOICE_AUTO, why.
 struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
                                             const struct emitter_lamps *lamps);
 

@@ -102,7 +102,7 @@ static double distance(vec3s a, vec3s b)
     return vec3_norm(to);
 }
 
-// Exceeds the rounding error of a radius in single precision.
+// A factor that exceeds the rounding error of a radius in single precision.
 #define RADIUS_MARGIN (1.0 + 1e-6)
 
 // Sets a bounding sphere around the middle of the box. Its radius is the distance to the corners of
@@ -144,7 +144,7 @@ static struct gpu_light_bounds encode(const struct builder *b, const struct ligh
     out.axis = encode_normal(axis);
     double cos_o = cos(fmin(bounds->theta_o + AXIS_RESOLUTION, M_PI));
     double cos_e = cos(bounds->theta_e);
-    // Rounded down, so that the cone becomes wider.
+    // The cosines are rounded down, so that the cone becomes wider.
     uint32_t o = (uint32_t)floor((0.5 + 0.5 * cos_o) * LIGHT_COS_O_SCALE);
     uint32_t e = (uint32_t)floor((0.5 + 0.5 * cos_e) * LIGHT_COS_E_SCALE);
     out.cosines = o | e << 16 | (bounds->two_sided ? LIGHT_TWO_SIDED : 0u);

@@ -56,7 +56,8 @@ static bool list_media(const struct scene *scene, const struct flat_scene *flat,
             continue;
         if (media->count == MEDIA_MAX)
             return err_set(err, ERR_INPUT,
-                           "material \"%s\": more than %u different media in a scene",
+                           "material \"%s\": its medium is one too many; expected at most %u "
+                           "different media in a scene",
                            material->name, MEDIA_MAX);
         uint32_t at = media->count++;
         for (; at > 0 && media->records[at - 1].priority > medium.priority; at--)

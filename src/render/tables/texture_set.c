@@ -49,8 +49,10 @@ bool texture_set_build(const struct scene *scene, const struct flat_scene *flat,
             struct gpu_texture *record = &out->records[material->first_texture + i];
             uint64_t offset = place_image(scene, out, texture->image);
             if (offset > UINT32_MAX)
-                return err_set(err, ERR_INPUT, "%s: textures take more than 64 GiB",
-                               scene->path ? scene->path : "scene");
+                return err_set(
+                    err, ERR_INPUT,
+                    "%s: textures take more than 64 GiB; expected fewer or smaller textures",
+                    scene->path ? scene->path : "scene");
             record->texels = (uint32_t)offset;
             record->size = image->width | image->height << 16;
             record->flags = texture->flags | (image->is_float ? TEXTURE_FLOAT : 0u);
