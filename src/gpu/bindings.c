@@ -15,7 +15,7 @@ static bool storage_range(const struct gpu *gpu, const struct gpu_binding *bindi
     if (binding->offset >= buffer->bytes || binding->bytes > buffer->bytes - binding->offset ||
         binding->offset % gpu->storage_alignment != 0)
         return err_set(err, ERR_BUG,
-                       "buffer %s: a range of %llu bytes at offset %llu, expected a range inside "
+                       "buffer %s: a range of %llu bytes at offset %llu; expected a range inside "
                        "its %llu bytes at a multiple of %llu",
                        buffer->name, (unsigned long long)binding->bytes,
                        (unsigned long long)binding->offset, (unsigned long long)buffer->bytes,

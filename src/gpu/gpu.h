@@ -2,7 +2,8 @@
 // visible to callers. There is one queue, one push-constant block, and one numbering of bindings
 // for all kernels; each kernel's layout contains the bindings that its code uses.
 //
-// Threads: one thread at a time may use a struct gpu and its objects; several may use one each.
+// Threads: one thread at a time may use a struct gpu and its objects; several threads may each use
+// one of their own.
 #ifndef LAMPYRIS_GPU_GPU_H
 #define LAMPYRIS_GPU_GPU_H
 

@@ -41,7 +41,7 @@ static bool loader_open(struct err *err)
     uint32_t version = volkGetInstanceVersion();
     if (version < VK_API_VERSION_1_1)
         return err_set(err, ERR_NO_VULKAN,
-                       "the Vulkan loader has version %u.%u, expected at least 1.1",
+                       "the Vulkan loader has version %u.%u; expected at least 1.1",
                        VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
     return true;
 }
@@ -120,7 +120,7 @@ static bool validation_check(struct err *err)
 static bool extensions_check(const struct gpu_params *params, struct err *err)
 {
     if (params->instance_extension_count > MAX_CALLER_EXTENSIONS)
-        return err_set(err, ERR_BUG, "%u instance extensions, expected at most %d",
+        return err_set(err, ERR_BUG, "%u instance extensions; expected at most %d",
                        params->instance_extension_count, MAX_CALLER_EXTENSIONS);
     for (uint32_t i = 0; i < params->instance_extension_count; i++)
         if (!has_extension(NULL, params->instance_extensions[i]))

@@ -131,7 +131,7 @@ bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
         .variant = params->variant,
     };
     if (params->constant_count > GPU_MAX_CONSTANTS)
-        return err_set(err, ERR_BUG, "kernel %s: %u specialization constants, expected at most %d",
+        return err_set(err, ERR_BUG, "kernel %s: %u specialization constants; expected at most %d",
                        params->name, params->constant_count, GPU_MAX_CONSTANTS);
     out->constant_count = params->constant_count;
     for (uint32_t i = 0; i < params->constant_count; i++)

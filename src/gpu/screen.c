@@ -56,7 +56,7 @@ static bool sides_check(const struct gpu *gpu, const char *what, uint32_t width,
     if (width > 0 && height > 0 && width <= limit && height <= limit)
         return true;
     return err_set(err, ERR_GPU,
-                   "%s of %u x %u pixels: expected sides from 1 to %u pixels, the device's limit",
+                   "%s of %u x %u pixels; expected sides from 1 to %u pixels, the device's limit",
                    what, width, height, limit);
 }
 

@@ -68,7 +68,7 @@ struct gpu_screen {
     double draw_ms; // device time of the last gpu_screen_draw; 0 without timestamps
 };
 
-// Creates a screen without an image; gpu_screen_resize creates that.
+// Creates a screen without an image; gpu_screen_resize creates the image.
 bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gpu_screen *out,
                        struct err *err);
 void gpu_screen_finish(struct gpu *gpu, struct gpu_screen *screen); // accepts NULL and {0}
