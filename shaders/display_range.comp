@@ -28,7 +28,7 @@ void main()
             continue;
         uint bits = floatBitsToUint(value.x / value.y) & 0x7fffffffu;
         if (SHOWS(SHOWN_LOGARITHMIC) && bits < 0x00800000u)
-            continue; // there is no logarithm
+            continue; // 0 has no logarithm; denormals count as 0
         least = min(least, bits);
         greatest = max(greatest, bits);
         count++;

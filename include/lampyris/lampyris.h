@@ -350,7 +350,7 @@ struct lampyris_part {
     size_t size;
     const char *kind, *name;
     const char *reason; // why it is left out; "" if it is not left out
-    uint64_t bytes;     // size of a buffer, or the size that it would have
+    uint64_t bytes;     // size of a buffer; if it is left out, the size that it would have
     bool is_left_out;   // left out because the scene does not need it
 };
 

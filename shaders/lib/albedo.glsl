@@ -143,7 +143,7 @@ float albedo_fresnel(uint tables, float mu, float alpha, float eta)
                             sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0)))));
 }
 
-// Interpolates between two adjacent values of the eight in a word of four.
+// Interpolates between two adjacent values of the eight 16-bit values in a uvec4 word.
 float albedo_run(uint word, uint left, float w)
 {
     uvec4 v = load_materials(word);

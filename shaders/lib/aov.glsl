@@ -1,4 +1,4 @@
-// AOVs: stores the properties of the first surface that a camera ray hits in the slot's record.
+// Stores the AOVs of the first surface that a camera ray hits, in the slot's record.
 #ifndef AOV_GLSL
 #define AOV_GLSL
 

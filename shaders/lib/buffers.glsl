@@ -18,7 +18,7 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
 };
 
 // READABLE(name, binding, access, texel feature, number of further parts, index of the first one)
-// defines uvec4 load_name(uint index), with an index in units of four words.
+// defines uvec4 load_name(uint index), with an index in uvec4 words.
 #define READABLE(name, number, access, feature, parts, first)                                      \
     layout(std430, set = 0, binding = number) access buffer name##_block {                         \
         uvec4 name##_words[];                                                                      \
@@ -140,7 +140,7 @@ uint picture_pixel(uint pixel)
     return frame.window_first + row * frame.picture_width + (pixel - row * frame.width);
 }
 
-// Return the pixel of the picture and the sample number of a slot.
+// The next two functions return the picture's pixel and the sample number of a slot.
 uint slot_pixel(uint slot)
 {
     return picture_pixel(item_pixel(sample_of_slot(slot) >> push.sample_shift));
@@ -152,7 +152,7 @@ uint slot_sample(uint slot)
     return item_first_sample(item >> push.sample_shift) + (item & ((1u << push.sample_shift) - 1u));
 }
 
-// The record of a slot in the radiance buffer: the radiance, then AOVs.
+// The length of a slot's record in the radiance buffer, in uvec4 words: the radiance, then AOVs.
 const uint SLOT_WORDS = AOV_SLOT_WORDS(AOVS);
 
 // Stores one component; `place` must be a constant. See shared/aov.h.

@@ -89,8 +89,8 @@ float luminance_scale(float variance)
 
 // Returns the best weight lambda in lambda f + (1 - lambda) p, where f is an estimate with bias b,
 // and p is unbiased with variance V. The error lambda^2 b^2 + (1 - lambda)^2 V is least for lambda
-// = V / (V + b^2), and is then below both b^2 and V. `bias` is b^2; it is below 0 if chance
-// explains it.
+// = V / (V + b^2), and is then below both b^2 and V. `bias` is an estimate of b^2, which may be
+// negative.
 float best_part(float variance, float bias)
 {
     return bias > 0.0 ? variance / (variance + bias) : 1.0;

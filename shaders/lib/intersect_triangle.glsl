@@ -48,8 +48,8 @@ bool intersect_corners(vec3 a, vec3 b, vec3 c, out float t, out vec2 uv)
     return same_side && determinant != 0.0;
 }
 
-// Tests both sides of a triangle. On a hit `t` is in units of the direction's length and `uv` are
-// the barycentric coordinates of v1 and v2.
+// Tests a triangle, which is visible from both sides. On a hit `t` is in units of the direction's
+// length and `uv` are the barycentric coordinates of v1 and v2.
 bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec3 v2, out float t,
                         out vec2 uv)
 {

@@ -101,9 +101,9 @@ vec3 sample_ggx_normal(vec3 wo, vec2 alpha, vec2 u)
     return sample_ggx_vndf(wo, alpha, u);
 }
 
-// Returns the density of a normal sampled by sample_ggx_normal(). `visible` is the density if
-// visible normals are sampled. scale: the solid angle of h per unit of the densities' common
-// measure.
+// Returns the density of a normal sampled by sample_ggx_normal(). `visible` is the result if
+// visible normals are sampled. scale: converts a density per solid angle of h into the measure of
+// the result.
 float pdf_ggx_drawn(float visible, vec3 h, vec2 alpha, float scale)
 {
     return NORMALS == NORMALS_NDF ? ggx_d(h, alpha) * h.z * scale : visible;

@@ -6,9 +6,9 @@
 #include "lib/buffers.glsl"
 #include "lib/primitive.glsl"
 
-// Adds a contribution to the part that belongs to its number of scattering events. In kernels that
-// find emitters this is the index of the bounce; shadow rays are traced in the bounce after the one
-// that spawned them.
+// Adds a contribution to the part that belongs to its number of scattering events. The number is
+// push.bounce, because shadow rays are traced in the bounce after the one that spawned them. With
+// INTEGRATOR_WHITTED, push.bounce counts the rays of the tree that were traced before.
 void add_part(uint slot, vec3 contribution)
 {
     if (HAS_AOV(AOV_EMISSION) && push.bounce == 0u)
@@ -19,9 +19,9 @@ void add_part(uint slot, vec3 contribution)
         add_aov_vector(slot, AOV_INDIRECT, contribution);
 }
 
-// Scales a contribution down so that its largest component does not exceed the limit. Counts that,
-// and the luminance (BT.709) that is lost: in integer units of limit / CLAMP_UNITS, so that the sum
-// does not depend on the order.
+// Scales a contribution down so that its largest component does not exceed the limit. Counts the
+// scaled contributions, and sums the luminance (BT.709) that they lose. The sum is in integer units
+// of limit / CLAMP_UNITS, so that it does not depend on the order of additions.
 vec3 clamp_contribution(vec3 contribution)
 {
     float largest = max(contribution.r, max(contribution.g, contribution.b));
@@ -104,9 +104,9 @@ vec3 add_radiance(uint slot, vec3 contribution, uint site, uint emitter)
 {
     if (HAS(FEATURE_CLAMP))
         contribution = clamp_contribution(contribution);
-    vec4 radiance = uintBitsToFloat(radiance_words[slot * SLOT_WORDS]); // may be written just
-                                                                        // before, so it is not read
-                                                                        // as a texel
+    vec4 radiance = uintBitsToFloat(radiance_words[slot * SLOT_WORDS]); // not read as a texel,
+                                                                        // because this invocation
+                                                                        // may just have written it
     vec3 sum = radiance.rgb + contribution;
     if (!is_finite(sum)) {
         report_nonfinite(slot, site);

@@ -14,7 +14,7 @@ const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
 const uint DIMENSION_EXTRA = 2u; // more bits for the emitter; dispersion; direction strategy;
                                  // unused
 const uint DIMENSION_LIGHT_PATH = DIMENSIONS_OF_LIGHT_PATHS; // see light_path_dimension()
-const uint DIMENSION_PIXEL = DIMENSIONS_OF_PIXELS; // position in a stratum x, y:
+const uint DIMENSION_PIXEL = DIMENSIONS_OF_PIXELS; // position in a stratum, x and y: see
                                                    // pixel_sampling.glsl
 const uint DIMENSION_PIXEL_ORDER = DIMENSION_PIXEL + 1u;
 const uint DIMENSION_ALL_LIGHTS = DIMENSIONS_OF_ALL_LIGHTS; // see light_dimension()

@@ -136,9 +136,9 @@ uint spread_bits(uint x)
 // A tile of pixels shares one sequence, whose points are assigned along a Z curve: points of
 // neighbouring pixels complement each other, so that neighbours' errors differ and the eye averages
 // them (Ahmed and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via
-// hierarchical ordering of pixels"). The shuffling of sobol_4d() is theirs, in base 2. A pixel has
-// a block of the sequence, with as many points as samples are planned. Further samples use blocks
-// of other sequences; if the number of samples is not known, the blocks have 1, 1, 2, 4, ...
+// hierarchical ordering of pixels"). The shuffling in sobol_4d() is their method in base 2. A pixel
+// has a block of the sequence, with as many points as samples are planned. Further samples use
+// blocks of other sequences; if the number of samples is not known, the blocks have 1, 1, 2, 4, ...
 // points.
 vec4 blue_noise(uint pixel, sequence_place place, uint dimension)
 {

@@ -18,7 +18,7 @@
 #define ALBEDO_FRESNEL_ALPHA 24u
 #define ALBEDO_FRESNEL_ETA 24u
 // Interfaces that also refract, seen from the side with the lower index and from the other side.
-// These tables are finer. A word of four holds the eight nodes around ALBEDO_RUN cells along mu, at
+// These tables are finer. A uvec4 word holds the eight nodes around ALBEDO_RUN cells along mu, at
 // one node of each other axis; sizes along mu are multiples of ALBEDO_RUN.
 #define ALBEDO_RUN 7u
 #define ALBEDO_GLASS_MU 28u
@@ -57,7 +57,7 @@
 #define ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST 0.1
 #define ALBEDO_TURNED_GLASS_ETA_LAST 0.95
 
-// Offsets in words of four, from the beginning of the tables.
+// Offsets in uvec4 words, from the beginning of the tables.
 #define ALBEDO_GGX 0u
 #define ALBEDO_SCHLICK (ALBEDO_GGX + ALBEDO_GGX_MU * ALBEDO_GGX_ALPHA)
 #define ALBEDO_CHARLIE (ALBEDO_SCHLICK + ALBEDO_SCHLICK_MU * ALBEDO_SCHLICK_ALPHA)

@@ -30,7 +30,7 @@
 #define AOV_VECTOR_AT(aovs, bit) (3u * AOV_VECTORS_BEFORE(aovs, bit))
 #define AOV_SCALAR_AT(aovs, bit)                                                                   \
     (3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, bit))
-// The number of words of four that the AOVs occupy. In the film each component is a sum
+// The number of uvec4 words that the AOVs occupy. In the film each component is a sum
 // (film_sums.h), and each group of four sums has a word for its digits.
 #define AOV_SUM_WORDS(aovs)                                                                        \
     ((3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, AOV_END) + 3u) / 4u)
@@ -59,7 +59,7 @@
     (AOV_EMITTERS_AT(aovs) + (((aovs)&AOV_BY_EMITTER) != 0u ? BY_EMITTER_COUNT : 0u))
 #define AOV_HAS_CLASSES(aovs) (((aovs)&AOVS_BY) != 0u ? 1u : 0u)
 
-// The brightest contribution. A slot has a word of four: r, g, b, and BRIGHTEST_ORIGIN. The film
+// The brightest contribution. A slot has a uvec4 word: r, g, b, and BRIGHTEST_ORIGIN. The film
 // has one word more, whose x is the number of the sample. All components are 0 without light.
 #define BRIGHTEST_ORIGIN(bounce, site, emitter)                                                    \
     ((bounce) | (site) << BRIGHTEST_SITE_SHIFT | (emitter) << BRIGHTEST_EMITTER_SHIFT)
@@ -68,7 +68,7 @@
 #define BRIGHTEST_EMITTER_SHIFT 28      // BY_EMITTER_*
 #define BRIGHTEST_FIELD_MASK 15u        // mask of the site and of the emitter
 
-// Offsets in words of four. A record begins with the radiance in a slot, with gpu_film_pixel in the
+// Offsets in uvec4 words. A record begins with the radiance in a slot, with gpu_film_pixel in the
 // film, and with gpu_resolved_pixel in results that are read back. The sums of the AOVs follow, in
 // the film with their digits; then the classes, the brightest contribution and the ids. In the film
 // a class has the members of gpu_film_pixel without sample counts. In results, the means of all

@@ -27,9 +27,9 @@
 #define TEXEL_BINDING(binding) (TEXEL_BINDING_FIRST + (binding))
 #define UNIFORM_BINDING_FRAME 28 // struct gpu_frame
 
-// Storage buffers, too: the parts of scene buffers beyond the range of a storage buffer. The
-// constant PARTS has their number for each buffer; the parts of a buffer, except its first, are
-// adjacent.
+// From this binding on, storage buffers have the parts of scene buffers beyond the range of a
+// storage buffer. The constant PARTS has their number for each buffer; the parts of a buffer,
+// except its first, are adjacent.
 #define BINDING_PARTS 29
 // For each binding up to BINDING_TEXELS the constant PARTS has, in PARTS_BITS bits, the number of
 // the buffer's parts after the first one.
@@ -61,7 +61,7 @@
 #define CONSTANT_GEOMETRY 20 // GEOMETRY_*
 #define CONSTANT_SDF 21      // SDF_*: operations in the scene's distance fields
 #define CONSTANT_PARTS 22
-#define CONSTANT_PART_SHIFT 23 // a part has 2^this words of four
+#define CONSTANT_PART_SHIFT 23 // a part has 2^this uvec4 words
 #define CONSTANT_ENVIRONMENT_FILTER 24
 #define CONSTANT_PIXEL_SAMPLING 25
 #define CONSTANT_LEAF_INDEX_BITS 26 // number of index bits in a triangle leaf's word: see bvh/bvh.h

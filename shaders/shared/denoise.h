@@ -1,5 +1,5 @@
 // Bindings, constants and records that the kernels of the denoised preview share with C. Each
-// buffer except the film has one word of four per pixel. A buffer whose name ends in _HISTORY has
+// buffer except the film has one uvec4 word per pixel. A buffer whose name ends in _HISTORY has
 // the data of the preceding frame.
 #ifndef LAMPYRIS_SHARED_DENOISE_H
 #define LAMPYRIS_SHARED_DENOISE_H

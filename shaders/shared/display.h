@@ -109,7 +109,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_display_push, 92);
 // the sum of all weights is 1.
 struct gpu_display_taps {
     uint first;
-    uint count_step; // number of taps in bits 0-7; above, the distance between two taps
+    uint count_step; // number of taps in bits 0-7; distance between two taps in the bits above
     float head, tail;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_display_taps, 16);

@@ -25,7 +25,7 @@
 #define MATERIAL_UNLIT (1u << 8) // emission is a colour to show, not light, and is never sampled
 // Reflection is compensated for the energy of multiple scattering.
 #define MATERIAL_COMPENSATE (1u << 9)
-// Separable instead of height-correlated Smith masking-shadowing.
+// Smith's masking-shadowing is separable instead of height-correlated.
 #define MATERIAL_SEPARABLE (1u << 10)
 #define MATERIAL_NORMAL_MAP (1u << 11) // one of its textures is a normal map
 #define MATERIAL_MEDIUM (1u << 12)     // encloses a medium: closed, refracting or absorbing
@@ -52,11 +52,12 @@
 #define MASKING_SCHLICK_REMAPPED 5u   // k = (roughness + 1)^2 / 8, Karis 2013
 #define MASKING_RATIONAL_UNBOUNDED 6u // the rational G1 for any distribution; may gain energy
 #define MASKING_COUNT 7u
-// Fresnel's equations by ior, instead of Schlick's approximation.
+// The reflectance follows from Fresnel's equations and ior instead of Schlick's approximation.
 #define MATERIAL_EXACT_FRESNEL (1u << 21)
-// Base weighted by 1 - F(wo.h) instead of 1 - F of both directions.
+// The base is weighted by 1 - F(wo.h) instead of 1 - F of both directions.
 #define MATERIAL_UNCOUPLED (1u << 22)
-// Fresnel's equations and Schlick's approximation mixed by metallic, coloured.
+// The reflectance mixes Fresnel's equations and Schlick's approximation by metallic, times the
+// specular colour.
 #define MATERIAL_MIXED_FRESNEL (1u << 23)
 // The coat's Fresnel reflectance is exact for index 1.5, not Schlick's.
 #define MATERIAL_EXACT_COAT (1u << 24)

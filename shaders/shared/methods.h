@@ -58,7 +58,7 @@
 
 // The density with which shadow rays sample directions towards an environment's image.
 #define ENVIRONMENT_SAMPLING_LUMINANCE 0u
-// In proportion to the excess of its luminance over the mean.
+// The density is proportional to the excess of the image's luminance over its mean.
 #define ENVIRONMENT_SAMPLING_COMPENSATED 1u
 
 #define CAMERA_PERSPECTIVE 0u
@@ -69,8 +69,8 @@
 #define LIGHT_CHOICE_AUTO 0u // only as a setting: see render/tables/light_choice.h
 #define LIGHT_CHOICE_UNIFORM 1u
 #define LIGHT_CHOICE_POWER 2u
-// One emitter of each lamp for the first vertices (CONSTANT_LIGHT_VERTICES); by the tree for the
-// other vertices.
+// Selects one emitter of each lamp for the first vertices of a path (CONSTANT_LIGHT_VERTICES), and
+// one emitter by the tree for the other vertices.
 #define LIGHT_CHOICE_ALL 3u
 #define LIGHT_CHOICE_TREE 4u // by a bound on the contribution to the vertex, from a light BVH
 

@@ -34,7 +34,7 @@ struct gpu_sdf {
 SHARED_STATIC_ASSERT_SIZE(gpu_sdf, 96);
 #define SDF_WORDS 6
 
-// Four words of four: op and a; b; c; d. `op` has the operation in bits 0-7, a count in 8-31.
+// Four uvec4 words: op and a; b; c; d. `op` has the operation in bits 0-7, a count in 8-31.
 struct gpu_sdf_instruction {
     uint op;
     float a[3];
@@ -87,7 +87,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 // These save (p, s) and replace it.
 #define SDF_TRANSFORM 21u // p' = rows b, c, d of (p, 1); s' = a.x s
 #define SDF_REPEAT 22u    // along axes whose a is not 0: p' = p - a clamp(round(p / a), -b, b)
-#define SDF_TWIST 23u     // about y by a.x radians a metre of it, x towards z; s' = a.y s
+#define SDF_TWIST 23u     // about y by a.x radians per metre of height, x towards z; s' = a.y s
 #define SDF_MIRROR 24u    // p' = |p| along axes whose a is not 0
 #define SDF_RESTORE 25u   // restores the last saved (p, s)
 #define SDF_OPERATIONS 26u

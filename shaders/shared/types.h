@@ -1,6 +1,7 @@
-// Records in GPU memory, laid out such that std430 and C agree: only 32-bit scalars, in groups of
-// four words. Kernels read most of them word by word with load_*() (lib/buffers.glsl), so the word
-// index of each member is part of the contract.
+// Records in GPU memory, laid out such that std430 and C agree: they consist of 32-bit scalars, in
+// groups of four. Such a group is called a uvec4 word. Kernels read most records one uvec4 word at
+// a time with load_*() (lib/buffers.glsl), so kernels depend on the uvec4 word and the component of
+// each member.
 #ifndef LAMPYRIS_SHARED_TYPES_H
 #define LAMPYRIS_SHARED_TYPES_H
 
@@ -25,8 +26,7 @@ typedef uint32_t uint;
 
 #define NO_PRIMITIVE 0xffffffffu
 #define NORMAL_FLAT                                                                                \
-    0x80008000u // first word of the normals of a triangle that has no shading
-                // normals
+    0x80008000u // first component of the normals of a triangle that has no shading normals
 // A primitive word: the index of a shape with this bit, or the position of a triangle in leaf
 // order.
 #define PRIMITIVE_SHAPE 0x40000000u
@@ -36,7 +36,7 @@ typedef uint32_t uint;
 #define PRIMITIVE_ENVIRONMENT 0x10000000u
 #define NO_EMITTER 0xffffffffu
 
-// Three words of four. Their w components have the data for shading, so that no further read is
+// Three uvec4 words. Their w components have the data for shading, so that no further read is
 // needed.
 struct gpu_triangle {
     float v0[3];
@@ -62,7 +62,7 @@ struct gpu_small_triangle {
 SHARED_STATIC_ASSERT_SIZE(gpu_small_triangle, 48);
 #define SMALL_TRIANGLE_WORDS 3
 
-// Attributes of a triangle: those words of four that the scene has, in this order. ATTRIBUTE_WORDS
+// Attributes of a triangle: those uvec4 words that the scene has, in this order. ATTRIBUTE_WORDS
 // in lib/attributes.glsl and attribute_words() in render/attributes.h are the number of these
 // words.
 //   FEATURE_NORMALS   1: octahedral unit vectors, 2 x 16-bit snorm each, of the corners; 0
@@ -125,7 +125,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_instance, 112);
 #define MATERIAL_WORD_EDGES (1u << 28) // a triangle whose v1 and v2 are edges from v0
 
 // The materials' buffer: this header, then struct gpu_material for each material, then the sections
-// whose offsets, in words of four, are in the header.
+// whose offsets, in uvec4 words, are in the header.
 struct gpu_material_header {
     uint textures;     // struct gpu_texture
     uint lights;       // struct gpu_light
@@ -137,7 +137,7 @@ struct gpu_material_header {
     uint sun_count;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_material_header, 32);
-#define MATERIAL_HEADER_WORDS 2 // words of four
+#define MATERIAL_HEADER_WORDS 2 // uvec4 words
 
 struct gpu_material {
     uint model_flags;   // MATERIAL_*
@@ -154,7 +154,8 @@ struct gpu_texture {
     uint size;   // width in bits 0-15, height in 16-31
     uint flags;  // TEXTURE_*
     uint align_texture;
-    float transform[2][4]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); the fourth is 0
+    float transform[2][4]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); the fourth element of a
+                           // row is 0
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_texture, 48);
 #define TEXTURE_WORDS 3
@@ -183,7 +184,7 @@ struct gpu_light {
     float versine; // directional: 1 - cos of the angular radius of a sun; 0: a delta light
     // Point and spot lights: see lib/profile.glsl.
     float profile_x[3]; // unit, orthogonal to the direction
-    uint profile;       // offset of the profile in the materials' buffer, in words of four; 0: none
+    uint profile;       // offset of the profile in the materials' buffer, in uvec4 words; 0: none
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light, 80);
 #define LIGHT_WORDS 5
@@ -209,7 +210,7 @@ struct gpu_emitter {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_emitter, 16);
 
-// The header of the buffer of a light tree. Offsets of sections are in words of four.
+// The header of the buffer of a light tree. Offsets of sections are in uvec4 words.
 struct gpu_light_tree {
     uint root;     // the root's word as a child; not defined if the tree is empty
     uint trails;   // struct gpu_light_trail, indexed by emitter
@@ -220,7 +221,7 @@ struct gpu_light_tree {
     uint align_tree[2];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light_tree, 32);
-#define LIGHT_TREE_WORDS 2 // words of four; pairs of struct gpu_light_bounds follow
+#define LIGHT_TREE_WORDS 2 // uvec4 words; pairs of struct gpu_light_bounds follow
 
 // One of the two children in a node: bounds of its emitters and of the directions in which they
 // emit.
@@ -272,7 +273,7 @@ struct gpu_path {
     uint primitive;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_path, 64);
-// Stride of paths' records, in words of four. With instances there is one more word: the instance
+// Stride of paths' records, in uvec4 words. With instances there is one more word: the instance
 // that was hit, that on which the ray starts (or NO_INSTANCE), 0, 0. With INTEGRATOR_BIDIR there is
 // a last word for MIS weights: for a camera path Q of lib/bidir.glsl; for a light path two ratios
 // of densities, the scale of its throughput, and the half-buffer to which it contributes.
@@ -298,7 +299,7 @@ struct gpu_shadow_ray {
                      // bits
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
-// Number of a shadow ray's words of four. With instances there is one more: the instance on which
+// Number of a shadow ray's uvec4 words. With instances there is one more: the instance on which
 // the ray starts, 0, 0, 0.
 #define SHADOW_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 4u : 3u)
 #define SHADOW_INSTANCE 3
@@ -328,8 +329,8 @@ struct gpu_film_pixel {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_film_pixel, 112);
 #define FILM_WORDS 7
-#define FILM_HALF_WORDS 3u // words of four for the sums of a half
-// Number of groups of four sums of AOVs whose digits fit into one word of four.
+#define FILM_HALF_WORDS 3u // uvec4 words for the sums of a half
+// Number of groups of four sums of AOVs whose digits fit into one uvec4 word.
 #define FILM_GROUPS_A_WORD 4u
 
 struct gpu_resolved_pixel {
@@ -470,7 +471,7 @@ struct gpu_frame {
     float environment_reach; // length of shadow rays to the environment
     VEC3(ambient);           // INTEGRATOR_WHITTED: mean radiance of the environment
     uint pending_rays;       // INTEGRATOR_WHITTED: entries of a slot's stack
-    uint instances;          // offsets, in words of four, of sections of the shapes' buffer
+    uint instances;          // offsets, in uvec4 words, of sections of the shapes' buffer
     uint sdfs;
     uint sdf_code;
     // With FEATURE_FAR_CAMERA; otherwise 0 and 1.

@@ -1,4 +1,4 @@
-// Buffers. Each has a memory allocation of its own.
+// Creates buffers. Each has a memory allocation of its own.
 #include "gpu/gpu_internal.h"
 
 #include "base/memory.h"

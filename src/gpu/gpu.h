@@ -110,8 +110,8 @@ struct gpu {
 // the validation layers hold its address.
 bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err);
 void gpu_close(struct gpu *gpu); // accepts NULL and {0}
-// Closes the device, even if it is lost, and opens it again. The caller finishes all its objects
-// before. On failure *gpu is marked as lost, has no device, and may be closed.
+// Closes the device, even if it is lost, and opens it again. The caller must have finished all
+// objects of the device. On failure *gpu is marked as lost, has no device, and may be closed.
 bool gpu_reopen(struct gpu *gpu, struct err *err);
 
 // Returns the device memory, in bytes, that is still available: the budget reported by
@@ -193,8 +193,8 @@ bool gpu_kernel_statistics(struct gpu *gpu, const struct gpu_kernel *kernel,
 // gpu_bindings owns.
 struct gpu_binding {
     const struct gpu_buffer *buffer; // NULL: the dummy buffer
-    uint64_t offset, bytes; // bytes; offset is a multiple of storage_alignment; bytes = 0: up to
-                            // the end of the buffer
+    uint64_t offset, bytes; // both in bytes; offset is a multiple of storage_alignment; bytes = 0:
+                            // up to the end of the buffer
 };
 
 struct gpu_bindings {

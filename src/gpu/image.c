@@ -1,4 +1,4 @@
-// Images: render targets and textures.
+// Creates images: render targets and textures.
 #include "gpu/gpu_internal.h"
 
 static bool handle_create(struct gpu *gpu, VkFormat format, uint32_t width, uint32_t height,

@@ -1,4 +1,4 @@
-// Compute pipelines.
+// Creates compute pipelines.
 #include "gpu/gpu_internal.h"
 #include "gpu/spirv_bindings.h"
 #include "gpu/spirv_rounding.h"

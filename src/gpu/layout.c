@@ -1,5 +1,5 @@
-// Descriptor set layouts. Each has only the bindings that its kernels use, because a Vulkan device
-// may support as few as 4 storage buffers at once.
+// Creates descriptor set layouts. Each has only the bindings that its kernels use, because a Vulkan
+// device may support as few as 4 storage buffers at once.
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
 

@@ -1,4 +1,5 @@
-// Descriptor sets: for each layout, the buffers of a struct gpu_bindings that its kernels use.
+// Creates descriptor sets. Each set has the buffers of a struct gpu_bindings that the kernels of
+// one layout use.
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
 

@@ -213,8 +213,8 @@ static uint64_t samples_left(const struct renderer *r, uint32_t tile)
     return r->tiles.counts[tile] * r->round_target - r->tiles.done[tile];
 }
 
-// The plan gives every tile at least TILE_SAMPLES_MIN samples a round, so all tiles have a sample
-// once the first pass is over.
+// The plan gives every tile at least TILE_SAMPLES_MIN samples per pixel in a round, so all tiles
+// have a sample once the first pass is over.
 bool tiles_all_begun(const struct renderer *r)
 {
     return r->tiles.count > 0 && r->tiles.done[tiles_rendered(r).first] > 0;
@@ -228,7 +228,7 @@ static bool takes_part(const struct renderer *r, uint32_t tile, uint32_t shift)
     return shift < USUAL_SAMPLE_SHIFT ? left >> shift & 1u : left >> shift;
 }
 
-// Chooses the samples a pixel, 2^shift, of the next pass: one sample of every pixel first; then
+// Chooses the samples per pixel, 2^shift, of the next pass: one sample of every pixel first; then
 // passes of few samples over all tiles; then passes of many samples, which tiles leave when they
 // are done.
 static bool choose_shift(const struct renderer *r, uint32_t *shift)

@@ -21,7 +21,7 @@ struct wave;
 
 struct tile_plan {
     uint32_t tiles_x, tiles_y;
-    uint32_t *counts;     // samples a pixel in a round, even numbers; tiles in rows from the top
+    uint32_t *counts;     // samples per pixel in a round, even numbers; tiles in rows from the top
     uint32_t least, most; // the smallest and the largest count
     uint64_t total;       // samples of all pixels in a round
 };
@@ -32,7 +32,7 @@ struct tile_plan_params {
     // divided by the square of the pixel's value. NULL: all tiles are alike. Values that are not
     // finite or below 0 count as 0.
     const double *variances;
-    uint32_t average; // mean samples a pixel in a round, at least TILE_SAMPLES_MIN; the plan does
+    uint32_t average; // mean samples per pixel in a round, at least TILE_SAMPLES_MIN; the plan does
                       // not exceed it
     uint32_t most;    // largest count of a tile, in addition to TILE_MOST_FACTOR; 0: no further
                       // limit

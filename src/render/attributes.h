@@ -5,7 +5,7 @@
 #include "shared/bindings.h"
 #include <stdint.h>
 
-// Returns the stride of triangles' attributes in words of four 32-bit values.
+// Returns the stride of triangles' attributes in uvec4 words.
 static inline uint32_t attribute_words(uint32_t features)
 {
     return !!(features & FEATURE_NORMALS) + !!(features & FEATURE_TANGENTS) +

@@ -44,7 +44,7 @@ struct film_aovs {
 // Returns the AOVs that the device has to compute for the wanted ones: AOV_* without those that
 // every film has, and with AOV_ALPHA if other AOVs need it.
 uint32_t film_aovs_of_device(uint32_t wanted);
-// Returns the bytes a pixel that the wanted AOVs take in host memory.
+// Returns the number of bytes per pixel that the wanted AOVs take in host memory.
 uint32_t film_aovs_bytes(uint32_t wanted);
 bool film_aovs_allocate(uint32_t wanted, uint64_t pixels, struct arena *arena,
                         struct film_aovs *out, struct err *err);

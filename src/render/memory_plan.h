@@ -28,7 +28,7 @@ struct memory_plan {
     uint64_t total_bytes;
     // Scene buffers may consist of parts of the same length; the last part may be shorter. `parts`
     // is the specialization constant PARTS, and part_shift is the base-2 logarithm of a part's
-    // length in words of four.
+    // length in uvec4 words.
     uint32_t parts, part_shift;
     uint64_t part_bytes;
 };

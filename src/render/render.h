@@ -105,7 +105,8 @@ struct render_stats {
     uint64_t surface_hits[CLASS_COUNT]; // by class; without FEATURE_CLASSES all count in the first
     uint64_t paths;                     // number of paths added to the film
     uint64_t sparse;                    // paths, or branches of split paths, ended by --min-density
-    uint64_t branches; // branches of split paths beyond one a path, with --min-density
+    uint64_t branches; // branches of split paths except the first one of each path, with
+                       // --min-density
     uint64_t clamped;  // clamped contributions, and the total luminance lost by clamping
     double clamped_light;
     uint64_t media_lost; // overflows of the stack of media, and exits from a medium that was not in
@@ -261,8 +262,8 @@ struct render_call {
     void *context; // argument of after_wave
 };
 bool renderer_render(struct renderer *renderer, const struct render_call *call, struct err *err);
-// Returns the smallest number of samples a pixel that makes good use of the device: as many as fill
-// one wave if the image is small, else the usual number of a pass.
+// Returns the smallest number of samples per pixel that makes good use of the device: as many as
+// fill one wave if the image is small, else the usual number of a pass.
 uint64_t renderer_samples_at_once(const struct renderer *renderer);
 // Returns whether all pixels have the same samples: those (with tiles: the rounds) before
 // next_sample.
@@ -282,7 +283,7 @@ bool renderer_reopen(struct renderer *renderer, uint32_t wave, struct err *err);
 
 // Empties the film. The sample numbers continue, so later samples are independent of earlier ones.
 bool renderer_clear(struct renderer *renderer, struct err *err);
-// Plans for a number of samples a pixel other than that of the settings, for samplers and
+// Plans for a number of samples per pixel other than that of the settings, for samplers and
 // half-buffers (sampling_plan.h); 0: the number is not known. Call renderer_restart() next, because
 // the existing samples were planned for another number.
 void renderer_plan_samples(struct renderer *renderer, uint64_t samples);

@@ -22,7 +22,7 @@ enum sample_planning sample_planning(const struct settings *settings, const char
 bool halves_are_contiguous(const struct renderer *renderer);
 
 // Sets renderer->frame.samples and the members for half-buffers. Call it after frame_fill() and
-// before anything is compiled or uploaded. open_ended: the number of samples a pixel is not known
+// before anything is compiled or uploaded. open_ended: the number of samples per pixel is not known
 // in advance. Warns if the sampler cannot stratify as requested, because the number is unknown or
 // too large.
 void sampling_plan(struct renderer *renderer, bool open_ended);

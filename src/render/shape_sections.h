@@ -4,7 +4,7 @@
 
 #include "flatten/flatten.h"
 
-// Offsets and `words`, the length of the buffer, are in words of four.
+// Offsets and `words`, the length of the buffer, are in uvec4 words.
 struct shape_sections {
     uint32_t instances, sdfs, sdf_code, small_triangles;
     uint64_t words;

@@ -9,7 +9,8 @@
 struct wave_loop {
     struct renderer *r;
     const struct wave *wave;
-    const struct wave_observer *observer; // NULL: records as much as possible before running it
+    const struct wave_observer *observer; // NULL: kernels are not observed, and are submitted
+                                          // together
     bool is_paced;
     bool is_timed;       // gives every part a timestamp of its own
     uint32_t part_items; // items of a queue or a list that one dispatch processes

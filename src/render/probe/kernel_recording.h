@@ -18,8 +18,8 @@ struct kernel_recording_params {
     // Number of bounces before the kernel; for intersect_shadow, before its rays were generated.
     // Ignored for generate_rays, accumulate and resolve.
     uint32_t depth;
-    uint64_t samples; // samples a pixel of the render; a wave takes the largest power of two up to
-                      // 16
+    uint64_t samples; // samples per pixel of the render; a wave takes the largest power of two up
+                      // to 16
 };
 
 struct kernel_recording {

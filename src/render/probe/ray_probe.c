@@ -9,8 +9,8 @@
 // hits.
 #define UNTOUCHED NO_PRIMITIVE
 
-// Records of rays or hits. `stride` is in words of four; with instances a record has one word after
-// its struct.
+// Records of rays or hits. `stride` is in uvec4 words. With instances, one more word follows the
+// struct of a record.
 struct records {
     uint32_t (*words)[4];
     uint32_t stride;

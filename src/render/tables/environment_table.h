@@ -1,6 +1,6 @@
 // The environment image as kernels read it, and its tables for sampling (lib/environment.glsl).
 //
-// It is an array of words of four. If each texel is a patch of constant radiance
+// It is an array of uvec4 words. If each texel is a patch of constant radiance
 // (ENVIRONMENT_FILTER_NEAREST), the array begins with the texels, row by row: the radiance of each,
 // and the density per solid angle with which it is sampled.
 //
@@ -39,7 +39,7 @@ struct environment_table {
     float floor; // only luminance above this is sampled; 0: all of it
 };
 
-// Returns the length of the buffer in words of four.
+// Returns the length of the buffer in uvec4 words.
 uint64_t environment_table_words(const struct environment_table *table);
 
 // Fills words[environment_table_words()]. Returns false when out of memory.

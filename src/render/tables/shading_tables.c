@@ -99,7 +99,7 @@ static void fill_materials(const struct shading_tables_params *p, const struct e
 
 // Offsets of the sections of the materials' buffer.
 struct sections {
-    uint64_t materials, textures, lights, suns, media, profiles, albedos, end; // in words of four
+    uint64_t materials, textures, lights, suns, media, profiles, albedos, end; // in uvec4 words
 };
 
 static uint32_t count_suns(const struct scene *scene)
