@@ -1,4 +1,4 @@
-// Ambient occlusion: one thread sends one shadow ray of length frame.ao_distance, in a
+// For ambient occlusion, one thread sends one shadow ray of length frame.ao_distance, in a
 // cosine-weighted direction about the normal of the surface that a camera ray has hit. A sample has
 // the value 1 if nothing is hit (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model",
 // section 3, with an obscurance of 1 at all distances). Reads the queue of surface hits. Uses no

@@ -1,8 +1,8 @@
-// Whitted's recursion, one ray at a time: one thread processes one hit, or miss, of its slot's ray.
-// A hit adds emission and ambient light, sends a shadow ray to every light and continues with the
-// reflected ray; if there is also a refracted ray, it is postponed on the slot's stack. When a ray
-// ends, the ray that was postponed last continues. So the contributions of a slot are added in the
-// order of the tree. Reads the queue of surface hits or, in another dispatch, that of misses.
+// One thread processes one hit, or miss, of its slot's ray, in Whitted's recursion. A hit adds
+// emission and ambient light, sends a shadow ray to every light and continues with the reflected
+// ray; if there is also a refracted ray, it is postponed on the slot's stack. When a ray ends, the
+// ray that was postponed last continues. So the contributions of a slot are added in the order of
+// the tree. Reads the queue of surface hits or, in another dispatch, that of misses.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,4 +1,4 @@
-// Scattering of light paths. BSDFs are evaluated with the same arguments as for a camera path that
+// Scatters light paths. BSDFs are evaluated with the same arguments as for a camera path that
 // arrives from the opposite end, so that asymmetric models and normals that were bent towards the
 // viewer have the same values for both kinds of path.
 #ifndef ADJOINT_GLSL

@@ -1,4 +1,4 @@
-// Directional albedos, interpolated from tables in the materials' buffer (shared/albedo.h). For
+// Interpolates directional albedos from tables in the materials' buffer (shared/albedo.h). For
 // their computation and accuracy see render/tables/albedo_generate.c and docs/materials.md.
 //
 // `tables` is albedos_begin(), the index of the tables' first word. mu is the cosine between wo and

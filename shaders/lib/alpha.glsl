@@ -1,4 +1,4 @@
-// Opacity: decides whether a surface exists at the point where a ray hits it. Reads materials,
+// Decides by opacity whether a surface exists at the point where a ray hits it. Reads materials,
 // vertex attributes and textures.
 #ifndef ALPHA_GLSL
 #define ALPHA_GLSL

@@ -1,6 +1,6 @@
-// Trigonometric functions of angles in turns, accurate to a few roundings on every device. Vulkan
-// permits errors of 4096 units in the last place for atan() and of 2^-11 for cos(), which is more
-// than a texel of a large environment. Pure functions.
+// Computes trigonometric functions of angles in turns, with errors of a few roundings on every
+// device. Vulkan permits errors of 4096 units in the last place for atan() and of 2^-11 for cos(),
+// which is more than a texel of a large environment. All functions are pure.
 #ifndef ANGLE_GLSL
 #define ANGLE_GLSL
 

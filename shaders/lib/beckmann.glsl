@@ -1,5 +1,5 @@
-// Microfacet distributions other than GGX: Beckmann's and Phong's, with their masking functions and
-// those that may replace Smith's. Pure functions.
+// Evaluates microfacet distributions other than GGX, namely Beckmann's and Phong's, with their
+// masking functions and those that may replace Smith's. All functions are pure.
 //
 // Directions are unit vectors of the local frame, z along the macroscopic normal, on its side; h is
 // a microfacet's normal. alpha is at least 1e-4. Walter et al. 2007 is "Microfacet Models for

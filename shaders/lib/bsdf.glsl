@@ -1,5 +1,6 @@
-// The BSDF of a surface, for all material models. Pure except for the tables of lib/albedo.glsl.
-// See lib/bsdf_types.glsl for the frame and the conventions.
+// Evaluates and samples the BSDF of a surface, for all material models. All functions are pure,
+// except that they read the tables of lib/albedo.glsl. See lib/bsdf_types.glsl for the frame and
+// the conventions.
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 

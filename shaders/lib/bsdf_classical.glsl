@@ -1,6 +1,7 @@
-// Models with which papers and courses compare their own: Phong, Blinn-Phong and Torrance-Sparrow
-// microfacets, each over a Lambertian base. Pure. See lib/bsdf_types.glsl for the frame and the
-// conventions, docs/materials-classical.md for the formulas and their energy.
+// Evaluates and samples models with which papers and courses compare their own: Phong, Blinn-Phong
+// and Torrance-Sparrow microfacets, each over a Lambertian base. All functions are pure. See
+// lib/bsdf_types.glsl for the frame and the conventions, docs/materials-classical.md for the
+// formulas and their energy.
 #ifndef BSDF_CLASSICAL_GLSL
 #define BSDF_CLASSICAL_GLSL
 

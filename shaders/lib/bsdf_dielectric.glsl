@@ -1,6 +1,6 @@
-// Interfaces of dielectrics and conductors, smooth and rough. Pure except for the tables of
-// lib/albedo.glsl. See lib/bsdf_types.glsl for the frame and the conventions,
-// docs/materials-classical.md for the formulas.
+// Evaluates and samples interfaces of dielectrics and conductors, smooth and rough. All functions
+// are pure, except that they read the tables of lib/albedo.glsl. See lib/bsdf_types.glsl for the
+// frame and the conventions, docs/materials-classical.md for the formulas.
 #ifndef BSDF_DIELECTRIC_GLSL
 #define BSDF_DIELECTRIC_GLSL
 

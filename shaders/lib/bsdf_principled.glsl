@@ -1,6 +1,7 @@
-// The principled model: Burley 2012 and 2015 with the layers of glTF's extensions. Formulas,
-// sources and deviations are in docs/materials.md, whose names the code uses. Pure except for the
-// tables of lib/albedo.glsl. See lib/bsdf_types.glsl for the frame and the conventions.
+// Evaluates and samples the principled model: Burley 2012 and 2015 with the layers of glTF's
+// extensions. Formulas, sources and deviations are in docs/materials.md, whose names the code uses.
+// All functions are pure, except that they read the tables of lib/albedo.glsl. See
+// lib/bsdf_types.glsl for the frame and the conventions.
 #ifndef BSDF_PRINCIPLED_GLSL
 #define BSDF_PRINCIPLED_GLSL
 

@@ -1,4 +1,4 @@
-// Conventions and types of all parts of lib/bsdf.glsl. Pure.
+// Defines conventions and types for all parts of lib/bsdf.glsl. All functions are pure.
 #ifndef BSDF_TYPES_GLSL
 #define BSDF_TYPES_GLSL
 

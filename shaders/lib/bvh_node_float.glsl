@@ -1,4 +1,4 @@
-// A BVH4 node of 128 bytes with boxes of floats, written by src/bvh (struct bvh_node_float in
+// Tests BVH4 nodes of 128 bytes with boxes of floats. src/bvh writes them (struct bvh_node_float in
 // bvh.h).
 #ifndef BVH_NODE_FLOAT_GLSL
 #define BVH_NODE_FLOAT_GLSL

@@ -1,4 +1,4 @@
-// A BVH4 node of 64 bytes with 8-bit boxes, written by src/bvh (struct bvh_node in bvh.h).
+// Tests BVH4 nodes of 64 bytes with 8-bit boxes. src/bvh writes them (struct bvh_node in bvh.h).
 #ifndef BVH_NODE_QUANTISED_GLSL
 #define BVH_NODE_QUANTISED_GLSL
 

@@ -1,4 +1,4 @@
-// A ray in the form that box tests need.
+// Prepares a ray for box tests.
 #ifndef BVH_RAY_GLSL
 #define BVH_RAY_GLSL
 

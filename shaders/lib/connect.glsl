@@ -1,4 +1,4 @@
-// Next-event estimation: shadow rays from a vertex to points on emitters.
+// Stores shadow rays from a vertex to points on emitters (next-event estimation).
 #ifndef CONNECT_GLSL
 #define CONNECT_GLSL
 

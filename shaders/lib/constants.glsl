@@ -1,4 +1,4 @@
-// Specialization constants: values that are fixed for a scene and a device.
+// Declares the specialization constants: values that are fixed for a scene and a device.
 #ifndef CONSTANTS_GLSL
 #define CONSTANTS_GLSL
 

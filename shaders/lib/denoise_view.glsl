@@ -1,5 +1,5 @@
-// Rays of the film's camera through pixels, and positions of points in the history's image. The
-// functions agree with lib/camera.glsl for a pinhole. Pure functions.
+// Computes rays of the film's camera through pixels, and positions of points in the history's
+// image. The functions agree with lib/camera.glsl for a pinhole. All functions are pure.
 #ifndef DENOISE_VIEW_GLSL
 #define DENOISE_VIEW_GLSL
 

@@ -1,4 +1,4 @@
-// The similarity of two pixels, which stops the filter at edges. Pure functions.
+// Computes the similarity of two pixels, which stops the filter at edges. All functions are pure.
 #ifndef DENOISE_WEIGHTS_GLSL
 #define DENOISE_WEIGHTS_GLSL
 

@@ -1,7 +1,7 @@
-// Strategies for sampling the next direction of a path that use little or no information about the
-// surface, for comparison with BSDF sampling. A sample is weighted by BSDF * |cos| / density, and
-// its density is used in MIS weights, so the image converges to the same result with every
-// strategy.
+// Implements strategies for sampling the next direction of a path that use little or no information
+// about the surface, for comparison with BSDF sampling. A sample is weighted by BSDF * |cos| /
+// density, and its density is used in MIS weights, so the image converges to the same result with
+// every strategy.
 //
 // - If a material transmits other than as a delta, transmitted light is sampled, too: hemispheres
 // are mirrored to the other side with probability 1/2.

@@ -1,4 +1,5 @@
-// Functions shared by the kernels of the displayed image. Owns the bindings of their linear images.
+// Defines functions that the kernels of the displayed image share. Owns the bindings of their
+// linear images.
 #ifndef DISPLAY_GLSL
 #define DISPLAY_GLSL
 

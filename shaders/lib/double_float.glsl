@@ -1,7 +1,8 @@
-// Sums and products with their rounding errors, as an unevaluated sum of two floats; x is the float
-// nearest to the value (Dekker 1971; Ogita, Rump and Oishi 2005). Pure functions. `precise` forbids
-// contraction and reordering; together with Vulkan's correctly rounded +, - and * the results are
-// exact. Products must stay below 1e34, because factors are multiplied by 4097 to split them.
+// Computes sums and products with their rounding errors. A result is an unevaluated sum of two
+// floats; x is the float nearest to the value (Dekker 1971; Ogita, Rump and Oishi 2005). All
+// functions are pure. `precise` forbids contraction and reordering; together with Vulkan's
+// correctly rounded +, - and * the results are exact. Products must stay below 1e34, because
+// factors are multiplied by 4097 to split them.
 #ifndef DOUBLE_FLOAT_GLSL
 #define DOUBLE_FLOAT_GLSL
 

@@ -1,5 +1,5 @@
-// The environment: constant radiance, or a latitude-longitude image with importance sampling. Reads
-// the environment's buffer, see render/tables/environment_table.h.
+// Evaluates and samples the environment, which is constant radiance or a latitude-longitude image.
+// Reads the environment's buffer, see render/tables/environment_table.h.
 #ifndef ENVIRONMENT_GLSL
 #define ENVIRONMENT_GLSL
 

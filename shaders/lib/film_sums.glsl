@@ -1,5 +1,5 @@
 // Adds values to sums of the film, and reads the sums. shared/film_sums.h describes their
-// representation. Pure functions.
+// representation. All functions are pure.
 #ifndef FILM_SUMS_GLSL
 #define FILM_SUMS_GLSL
 

@@ -1,4 +1,4 @@
-// The reflectance of interfaces. Pure functions.
+// Computes the reflectance of interfaces. All functions are pure.
 #ifndef FRESNEL_GLSL
 #define FRESNEL_GLSL
 

@@ -1,4 +1,4 @@
-// Transitions between media: the media on both sides of a surface, and their indices of refraction.
+// Finds the media on both sides of a surface, and their indices of refraction.
 #ifndef INTERFACE_GLSL
 #define INTERFACE_GLSL
 

@@ -1,5 +1,5 @@
-// Ray tests of analytic shapes. Pure functions. t is in units of the direction's length; it is
-// negative if there is no hit.
+// Intersects rays with spheres, discs, planes and quads. All functions are pure. t is in units of
+// the direction's length; it is negative if there is no hit.
 #ifndef INTERSECT_SHAPE_GLSL
 #define INTERSECT_SHAPE_GLSL
 

@@ -1,4 +1,4 @@
-// Ray tests of boxes, cylinders and open cylinders. Pure functions.
+// Intersects rays with boxes, cylinders and open cylinders. All functions are pure.
 //
 // A ray that starts on such a shape either leaves it for good or passes through it, and rounding
 // must not decide which. The ray starts on each face whose distance is within the error of the

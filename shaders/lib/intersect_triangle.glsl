@@ -1,4 +1,5 @@
-// Watertight ray-triangle intersection (Woop, Benthin, Wald 2013). Pure functions.
+// Intersects rays with triangles by a watertight test (Woop, Benthin, Wald 2013). All functions are
+// pure.
 //
 // The edge functions of an edge shared by two triangles are exact negatives of each other, because
 // a * b - c * d is rounded in the same way in both (`precise` forbids contraction); so no ray

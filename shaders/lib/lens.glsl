@@ -1,4 +1,4 @@
-// Apertures. Pure functions.
+// Samples apertures. All functions are pure.
 #ifndef LENS_GLSL
 #define LENS_GLSL
 

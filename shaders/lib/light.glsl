@@ -1,5 +1,5 @@
-// Next-event estimation: samples a point on an emitter or a delta light, and returns the density of
-// that sample. sample_light and pdf_light must agree, so that MIS weights sum to one.
+// For next-event estimation, samples a point on an emitter or a delta light, and returns the
+// density of that sample. sample_light and pdf_light must agree, so that MIS weights sum to one.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 

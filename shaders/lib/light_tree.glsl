@@ -1,5 +1,5 @@
-// Selection of an emitter by a bound on its contribution to a point, by descending a tree (Conty
-// Estevez and Kulla 2018; see render/tables/light_tree.h). Reads the emitters' buffer.
+// Selects an emitter by a bound on its contribution to a point, by descending a tree (Conty Estevez
+// and Kulla 2018; see render/tables/light_tree.h). Reads the emitters' buffer.
 #ifndef LIGHT_TREE_GLSL
 #define LIGHT_TREE_GLSL
 

@@ -1,4 +1,4 @@
-// A sampled point on an emitter.
+// Defines the type of a sampled point on an emitter.
 #ifndef LIGHT_TYPES_GLSL
 #define LIGHT_TYPES_GLSL
 

@@ -1,5 +1,6 @@
-// Microfacets of the GGX distribution (Trowbridge and Reitz 1975; Walter et al. 2007), anisotropic
-// after Burley 2012, appendix B.2, with Smith's masking (Heitz 2014). Pure functions.
+// Evaluates and samples microfacets of the GGX distribution (Trowbridge and Reitz 1975; Walter et
+// al. 2007), anisotropic after Burley 2012, appendix B.2, with Smith's masking (Heitz 2014). All
+// functions are pure.
 //
 // Directions are unit vectors of the local frame, z along the macroscopic normal; h is a
 // microfacet's normal, h.z >= 0. Both components of alpha = (alpha_x, alpha_y) are at least 1e-4.

@@ -1,4 +1,4 @@
-// Mathematical constants.
+// Defines mathematical constants.
 #ifndef NUMBERS_GLSL
 #define NUMBERS_GLSL
 

@@ -1,4 +1,4 @@
-// The encoding of primitive words and leaf words.
+// Decodes primitive words and leaf words.
 #ifndef PRIMITIVE_GLSL
 #define PRIMITIVE_GLSL
 

@@ -1,5 +1,6 @@
-// The parts of the principled model that depend only on the material and on wo: the weights of the
-// layers and the probabilities of the lobes. Part of lib/bsdf_principled.glsl.
+// Computes the parts of the principled model that depend only on the material and on wo: the
+// weights of the layers and the probabilities of the lobes. Only lib/bsdf_principled.glsl includes
+// this file.
 #ifndef PRINCIPLED_GLSL
 #define PRINCIPLED_GLSL
 

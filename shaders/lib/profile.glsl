@@ -1,6 +1,6 @@
-// Photometric profiles: the relative intensity of a light by direction (scene/sky/ies.h). Reads the
-// materials' buffer. A profile begins with a word that has the numbers of vertical and horizontal
-// angles. The angles in degrees and the rows of values follow, four in a word.
+// Evaluates photometric profiles: the relative intensity of a light by direction (scene/sky/ies.h).
+// Reads the materials' buffer. A profile begins with a uvec4 word that has the numbers of vertical
+// and horizontal angles. The angles in degrees and the rows of values follow, four in a word.
 #ifndef PROFILE_GLSL
 #define PROFILE_GLSL
 

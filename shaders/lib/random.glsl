@@ -1,4 +1,4 @@
-// Counter-based random numbers: a value depends only on (seed, pixel, sample, dimension).
+// Computes counter-based random numbers: a value depends only on (seed, pixel, sample, dimension).
 #ifndef RANDOM_GLSL
 #define RANDOM_GLSL
 

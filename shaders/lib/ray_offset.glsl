@@ -1,4 +1,5 @@
-// Computes ray origins that cannot be on the wrong side of the surface they leave. Pure functions.
+// Computes ray origins that cannot be on the wrong side of the surface they leave. All functions
+// are pure.
 #ifndef RAY_OFFSET_GLSL
 #define RAY_OFFSET_GLSL
 

@@ -1,4 +1,4 @@
-// Russian roulette: ends paths without bias.
+// Ends paths without bias, by Russian roulette.
 #ifndef ROULETTE_GLSL
 #define ROULETTE_GLSL
 

@@ -1,4 +1,4 @@
-// The uniforms of a path, from the chosen sampler. docs/sampling.md describes the samplers.
+// Computes the uniforms of a path by the chosen sampler. docs/sampling.md describes the samplers.
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 

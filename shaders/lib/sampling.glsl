@@ -1,4 +1,4 @@
-// Maps uniforms to directions and points. Pure functions.
+// Maps uniforms to directions and points. All functions are pure.
 #ifndef SAMPLING_GLSL
 #define SAMPLING_GLSL
 

@@ -1,5 +1,5 @@
-// Signed distance fields: evaluates programs of shared/sdf.h. Shapes are those of Quilez ("Distance
-// functions", 2013 ff.) and of Hart 1996 unless sdf.h names another source.
+// Evaluates signed distance fields, which are programs (shared/sdf.h). Shapes are those of Quilez
+// ("Distance functions", 2013 ff.) and of Hart 1996 unless sdf.h names another source.
 #ifndef SDF_GLSL
 #define SDF_GLSL
 

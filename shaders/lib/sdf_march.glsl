@@ -1,4 +1,4 @@
-// Sphere tracing (Hart 1996) through the box of a signed distance field.
+// Traces rays through the box of a signed distance field, by sphere tracing (Hart 1996).
 #ifndef SDF_MARCH_GLSL
 #define SDF_MARCH_GLSL
 

@@ -1,7 +1,7 @@
-// Lamps of triangles that are small relative to their coordinates. The scene's coordinates are too
-// coarse to determine which triangle hides which; records in the lamp's own coordinates are
-// accurate enough. So occlusion by the lamp itself is tested when a point on it is sampled, and the
-// shadow ray ignores the lamp.
+// Tests occlusion by lamps whose triangles are small relative to their coordinates. The scene's
+// coordinates are too coarse to determine which triangle hides which; records in the lamp's own
+// coordinates are accurate enough. So occlusion by the lamp itself is tested when a point on it is
+// sampled, and the shadow ray ignores the lamp.
 #ifndef SMALL_LAMP_GLSL
 #define SMALL_LAMP_GLSL
 

@@ -1,5 +1,5 @@
-// Triangles as seen from a point: their solid angle, and samples that are uniform by solid angle.
-// Pure functions.
+// Computes the solid angles of triangles seen from a point, and samples triangles uniformly by
+// solid angle. All functions are pure.
 #ifndef SOLID_ANGLE_GLSL
 #define SOLID_ANGLE_GLSL
 

@@ -1,7 +1,7 @@
-// The stack of a traversal, which holds postponed nodes. On CPU drivers it is a private array. Some
-// GPU compilers would keep such an array in registers, and compare an index with each entry. On
-// such devices the first STACK_SHARED entries of each thread are in shared memory. The others,
-// which few rays need, are in an array too long for registers.
+// Implements the stack of a traversal, which holds postponed nodes. On CPU drivers the stack is a
+// private array. Some GPU compilers would keep such an array in registers, and compare an index
+// with each entry. On such devices the first STACK_SHARED entries of each thread are in shared
+// memory. The others, which few rays need, are in an array too long for registers.
 #ifndef STACK_GLSL
 #define STACK_GLSL
 

@@ -1,6 +1,6 @@
-// Directional lights with an angular diameter: cones of constant radiance around a direction. Pure
-// functions. A cone is given by its versine, 1 - cos of its half-angle, which is accurate for
-// narrow cones.
+// Samples directional lights with an angular diameter, which are cones of constant radiance around
+// a direction. All functions are pure. A cone is given by its versine, 1 - cos of its half-angle,
+// which is accurate for narrow cones.
 #ifndef SUN_GLSL
 #define SUN_GLSL
 

@@ -1,4 +1,4 @@
-// The attributes of a point on a surface.
+// Defines the type of a point on a surface.
 #ifndef SURFACE_TYPES_GLSL
 #define SURFACE_TYPES_GLSL
 

@@ -1,5 +1,5 @@
-// Tone curves from linear radiance to display values: the curves of image/tone.c, which names their
-// sources, in single precision. Pure functions.
+// Maps linear radiance to display values by tone curves: those of image/tone.c, which names their
+// sources, in single precision. All functions are pure.
 #ifndef TONE_GLSL
 #define TONE_GLSL
 

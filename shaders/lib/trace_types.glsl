@@ -1,4 +1,4 @@
-// A ray to trace, and its nearest hit so far.
+// Defines the types of a ray to trace and of its nearest hit so far.
 #ifndef TRACE_TYPES_GLSL
 #define TRACE_TYPES_GLSL
 

@@ -1,4 +1,4 @@
-// Depth-first traversal of the BVH, nearest child first. A kernel that includes this file defines
+// Traverses the BVH depth-first, nearest child first. A kernel that includes this file defines
 // ANY_HIT to stop at the first hit.
 #ifndef TRAVERSE_GLSL
 #define TRAVERSE_GLSL

@@ -1,4 +1,4 @@
-// A vertex of a path, and functions of it.
+// Defines the type of a path's vertex, and functions of it.
 #ifndef VERTEX_GLSL
 #define VERTEX_GLSL
 

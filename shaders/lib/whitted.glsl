@@ -1,6 +1,6 @@
-// Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979): a surface in
-// terms of his model, and the stack of rays that a path has yet to follow. Owns that stack, which
-// follows the shadow rays in their buffer.
+// Implements Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979):
+// converts materials to his model, and keeps the stack of rays that a path has yet to follow. Owns
+// that stack, which follows the shadow rays in their buffer.
 #ifndef WHITTED_GLSL
 #define WHITTED_GLSL
 

@@ -1,4 +1,4 @@
-// The tables of directional albedos: their sizes and offsets. Read by C and by GLSL.
+// Defines the sizes and offsets of the tables of directional albedos, for C and GLSL.
 // render/tables/albedo_generate.c fills them at build time; lib/albedo.glsl describes their axes.
 #ifndef LAMPYRIS_SHARED_ALBEDO_H
 #define LAMPYRIS_SHARED_ALBEDO_H

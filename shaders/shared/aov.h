@@ -1,4 +1,5 @@
-// The layout of the AOVs in the records of slots and of the film. Only requested AOVs have a place.
+// Defines the layout of the AOVs in the records of slots and of the film. Only requested AOVs have
+// a place.
 #ifndef LAMPYRIS_SHARED_AOV_H
 #define LAMPYRIS_SHARED_AOV_H
 

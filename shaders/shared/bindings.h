@@ -1,4 +1,4 @@
-// Binding numbers, ids of specialization constants, and feature bits. Read by C and by GLSL.
+// Defines binding numbers, ids of specialization constants, and feature bits, for C and GLSL.
 #ifndef LAMPYRIS_SHARED_BINDINGS_H
 #define LAMPYRIS_SHARED_BINDINGS_H
 

@@ -1,4 +1,4 @@
-// Routines of check_arithmetic.comp and check_threads.comp. Read by C and by GLSL.
+// Numbers the routines of check_arithmetic.comp and check_threads.comp, for C and GLSL.
 #ifndef SHARED_CHECK_H
 #define SHARED_CHECK_H
 

@@ -1,4 +1,5 @@
-// Routines of check_bsdf.comp, and flags in its output for a sample. Read by C and by GLSL.
+// Numbers the routines of check_bsdf.comp, and defines flags in its output for a sample, for C and
+// GLSL.
 #ifndef SHARED_CHECK_BSDF_H
 #define SHARED_CHECK_BSDF_H
 

@@ -1,4 +1,4 @@
-// Routines of check_sampler.comp. Read by C and by GLSL.
+// Numbers the routines of check_sampler.comp, for C and GLSL.
 #ifndef SHARED_CHECK_SAMPLER_H
 #define SHARED_CHECK_SAMPLER_H
 

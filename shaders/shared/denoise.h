@@ -1,6 +1,6 @@
-// Bindings, constants and records that the kernels of the denoised preview share with C. Each
-// buffer except the film has one uvec4 word per pixel. A buffer whose name ends in _HISTORY has
-// the data of the preceding frame.
+// Defines bindings, constants and records that the kernels of the denoised preview share with C.
+// Each buffer except the film has one uvec4 word per pixel. A buffer whose name ends in _HISTORY
+// has the data of the preceding frame.
 #ifndef LAMPYRIS_SHARED_DENOISE_H
 #define LAMPYRIS_SHARED_DENOISE_H
 

@@ -1,4 +1,5 @@
-// Records and constants that the kernels of the viewer's image and of its denoiser share with C.
+// Defines records and constants that the kernels of the viewer's image and of its denoiser share
+// with C.
 #ifndef LAMPYRIS_SHARED_DISPLAY_H
 #define LAMPYRIS_SHARED_DISPLAY_H
 

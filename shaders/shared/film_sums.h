@@ -1,6 +1,6 @@
-// The representation of the film's sums. Neither the order nor the grouping of additions changes a
-// bit of them: Demmel and Nguyen 2015, "Parallel Reproducible Summation", IEEE Transactions on
-// Computers 64(7), with integers as bins.
+// Defines the representation of the film's sums. Neither the order nor the grouping of additions
+// changes a bit of them: Demmel and Nguyen 2015, "Parallel Reproducible Summation", IEEE
+// Transactions on Computers 64(7), with integers as bins.
 //
 // The range of single precision is divided into eight digits of 32 bits. The unit of digit d is
 // 2^(32 d - 127). A value has digit d if it is at least half a unit of digit d and less than half a

@@ -1,4 +1,4 @@
-// Materials: parameters, flags, textures. Read by C and by GLSL.
+// Defines the parameters, flags and textures of materials, for C and GLSL.
 #ifndef LAMPYRIS_SHARED_MATERIAL_H
 #define LAMPYRIS_SHARED_MATERIAL_H
 

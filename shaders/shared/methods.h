@@ -1,5 +1,5 @@
-// Choices of methods. Each is a setting, whose values are in the order of their names (see
-// scene/core/settings.c), and a specialization constant of the kernels.
+// Defines the choices of methods. Each is a setting, whose values are in the order of their names
+// (see scene/core/settings.c), and a specialization constant of the kernels.
 #ifndef LAMPYRIS_SHARED_METHODS_H
 #define LAMPYRIS_SHARED_METHODS_H
 

@@ -1,4 +1,4 @@
-// Signed distance fields as programs for a stack machine. Read by C and by GLSL.
+// Defines signed distance fields as programs for a stack machine, for C and GLSL.
 //
 // The machine has a point p (in metres, in the field's own space), a factor s (distances in the
 // space of p times s are distances in the field's space), a stack of saved (p, s), and a stack of

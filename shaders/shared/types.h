@@ -1,7 +1,7 @@
-// Records in GPU memory, laid out such that std430 and C agree: they consist of 32-bit scalars, in
-// groups of four. Such a group is called a uvec4 word. Kernels read most records one uvec4 word at
-// a time with load_*() (lib/buffers.glsl), so kernels depend on the uvec4 word and the component of
-// each member.
+// Defines the records in GPU memory. They consist of 32-bit scalars, in groups of four, so that
+// std430 and C agree on their layout. Such a group is called a uvec4 word. Kernels read most
+// records one uvec4 word at a time with load_*() (lib/buffers.glsl), so kernels depend on the uvec4
+// word and the component of each member.
 #ifndef LAMPYRIS_SHARED_TYPES_H
 #define LAMPYRIS_SHARED_TYPES_H
 

@@ -1,8 +1,8 @@
-// Bounding volume hierarchies, built from boxes and plain arrays: a binary tree, built with the
-// binned surface area heuristic (SAH) on all CPU threads, is collapsed into a BVH4 with quantised
-// nodes of 64 bytes. For comparison there are simpler builders, and a node of 128 bytes with boxes
-// in single precision. No Vulkan. Any thread may call; a finished BVH is read-only and may be
-// shared.
+// Builds bounding volume hierarchies from boxes and arrays of triangles: a binary tree, built with
+// the binned surface area heuristic (SAH) on all CPU threads, is collapsed into a BVH4 with
+// quantised nodes of 64 bytes. For comparison there are simpler builders, and a node of 128 bytes
+// with boxes in single precision. Vulkan is not used. Any thread may call these functions; a
+// finished BVH is read-only and may be shared.
 #ifndef LAMPYRIS_BVH_BVH_H
 #define LAMPYRIS_BVH_BVH_H
 

@@ -1,4 +1,4 @@
-// The binary tree that is collapsed into the wide tree. Private to this folder.
+// Builds the binary tree that is collapsed into the wide tree. This file is private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_BINARY_H
 #define LAMPYRIS_BVH_BVH_BINARY_H
 

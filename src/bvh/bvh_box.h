@@ -1,4 +1,4 @@
-// Axis-aligned boxes in single precision, shared by the builder, the collapse and the checks.
+// Defines axis-aligned boxes in single precision, for the builder, the collapse and the checks.
 #ifndef LAMPYRIS_BVH_BVH_BOX_H
 #define LAMPYRIS_BVH_BVH_BOX_H
 

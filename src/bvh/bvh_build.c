@@ -1,5 +1,5 @@
-// The steps of a build: checking the input, computing the boxes of primitives, building the binary
-// tree and collapsing it into the wide tree.
+// Builds a hierarchy in four steps: checks the input, computes the boxes of primitives, builds the
+// binary tree, and collapses it into the wide tree.
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/parallel.h"

@@ -1,4 +1,4 @@
-// Computes boxes of parts of triangles. Private to this folder.
+// Computes boxes of parts of triangles. This file is private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_CLIP_H
 #define LAMPYRIS_BVH_BVH_CLIP_H
 

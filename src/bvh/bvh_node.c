@@ -1,4 +1,4 @@
-// The quantised node: child boxes as bytes on a grid that the node's box spans.
+// Encodes the quantised node, whose child boxes are bytes on a grid that the node's box spans.
 #include "bvh/bvh_node.h"
 
 #include <string.h>

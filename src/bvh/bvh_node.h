@@ -1,4 +1,4 @@
-// Access to nodes of either format. Private to this folder.
+// Accesses nodes of either format. This file is private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_NODE_H
 #define LAMPYRIS_BVH_BVH_NODE_H
 

@@ -1,4 +1,4 @@
-// The node of 128 bytes, with child boxes in single precision.
+// Encodes the node of 128 bytes, whose child boxes are in single precision.
 #include "bvh/bvh_node.h"
 
 void bvh_float_set_boxes(struct bvh_node_float *node, const struct bvh_box *boxes, uint32_t count)

@@ -1,5 +1,5 @@
-// Rays against boxes in double precision. The boxes are widened by more than the rounding errors of
-// a triangle test, so that a ray that hits a triangle also enters every box around it.
+// Tests rays against boxes in double precision. The boxes are widened by more than the rounding
+// errors of a triangle test, so that a ray that hits a triangle also enters every box around it.
 #ifndef LAMPYRIS_BVH_BVH_SLAB_H
 #define LAMPYRIS_BVH_BVH_SLAB_H
 

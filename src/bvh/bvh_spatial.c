@@ -1,10 +1,10 @@
-// Spatial splits (Stich, Friedrich, Dietrich 2009, "Spatial splits in bounding volume
+// Makes spatial splits (Stich, Friedrich, Dietrich 2009, "Spatial splits in bounding volume
 // hierarchies"): a range is cut by a plane, and triangles that cross the plane go to both sides,
-// each time with the box of the part on that side. Deviations: whether a triangle stays whole
-// ("reference unsplitting", section 4.3) is decided for each triangle independently, from the boxes
-// and counts of the chosen plane, so that the result depends neither on order nor on threads; the
-// children get tight boxes, while candidate planes are compared by boxes that are faster to
-// compute.
+// each time with the box of the part on that side. There are two deviations: whether a triangle
+// stays whole ("reference unsplitting", section 4.3) is decided for each triangle independently,
+// from the boxes and counts of the chosen plane, so that the result depends neither on order nor on
+// threads; the children get tight boxes, while candidate planes are compared by boxes that are
+// faster to compute.
 #include "bvh/bvh_spatial.h"
 
 #include "base/parallel.h"

@@ -1,4 +1,4 @@
-// Access to the caller's primitives. Private to this folder.
+// Accesses the caller's primitives. This file is private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_TRIANGLE_H
 #define LAMPYRIS_BVH_BVH_TRIANGLE_H
 

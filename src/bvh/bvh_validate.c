@@ -113,7 +113,7 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
                        "BVH: a leaf has %u triangles; expected at most %u", count, most);
     if (first >= bvh->reference_count || count > bvh->reference_count - first)
         return err_set(validator->err, ERR_INPUT,
-                       "BVH: a leaf has triangles %u to %u of %u in leaf order", first,
+                       "BVH: a leaf has triangles %u to %u of a leaf order of %u triangles", first,
                        first + count - 1, bvh->reference_count);
     for (uint32_t i = first; i < first + count; i++) {
         if (!visit_place(validator, i, bounds))

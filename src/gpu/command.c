@@ -1,4 +1,4 @@
-// Recording, submission and timing of commands.
+// Records, submits and times commands.
 #include "gpu/gpu_internal.h"
 #include "gpu/slow.h"
 #include <assert.h>

@@ -1,6 +1,6 @@
-// A thin layer over Vulkan: all vk* calls of the renderer are in this folder. Raw handles are
-// visible to callers. There is one queue, one push-constant block, and one numbering of bindings
-// for all kernels; each kernel's layout contains the bindings that its code uses.
+// This is a thin layer over Vulkan: all vk* calls of the renderer are in this folder. Raw handles
+// are visible to callers. There is one queue, one push-constant block, and one numbering of
+// bindings for all kernels; each kernel's layout contains the bindings that its code uses.
 //
 // Threads: one thread at a time may use a struct gpu and its objects; several threads may each use
 // one of their own.

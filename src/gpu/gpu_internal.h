@@ -1,4 +1,4 @@
-// Declarations for the files of this folder only.
+// Declares what the files of this folder share. This file is private to this folder.
 #ifndef LAMPYRIS_GPU_GPU_INTERNAL_H
 #define LAMPYRIS_GPU_GPU_INTERNAL_H
 

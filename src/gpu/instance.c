@@ -1,4 +1,4 @@
-// The loader, the instance and the validation layers.
+// Finds the Vulkan loader, and creates the instance, with validation layers if requested.
 #include "base/log.h"
 #include "base/thread.h"
 #include "gpu/gpu_internal.h"

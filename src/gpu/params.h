@@ -1,4 +1,4 @@
-// Parameters for opening a device, in a header without Vulkan's long one.
+// Defines the parameters for opening a device, without including Vulkan's long header.
 #ifndef LAMPYRIS_GPU_PARAMS_H
 #define LAMPYRIS_GPU_PARAMS_H
 

@@ -1,4 +1,4 @@
-// The display of a viewer: the rendered image and the panel, drawn into a Vulkan image.
+// Draws the display of a viewer: the rendered image and the panel, in a Vulkan image.
 #include "gpu/gpu_internal.h"
 #include <assert.h>
 #include <math.h>

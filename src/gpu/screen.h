@@ -1,4 +1,4 @@
-// The display of a viewer: a rendered image with triangles (the panel) drawn over it. Both are
+// Draws the display of a viewer: a rendered image, and triangles (the panel) over it. Both are
 // drawn into a separate Vulkan image, so that the result is the same with and without a window.
 // Needs gpu_params.graphics.
 #ifndef LAMPYRIS_GPU_SCREEN_H

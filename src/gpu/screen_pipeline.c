@@ -1,4 +1,4 @@
-// The pipeline that draws the screen's triangles: render pass, layouts, pipeline.
+// Creates the render pass, layouts and pipeline that draw the screen's triangles.
 #include "gpu/gpu_internal.h"
 
 #include "panel_frag.spv.h"

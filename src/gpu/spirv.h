@@ -1,4 +1,4 @@
-// Constants and functions for reading and rewriting SPIR-V modules as words.
+// Defines constants and functions for reading and rewriting SPIR-V modules as words.
 #ifndef LAMPYRIS_GPU_SPIRV_H
 #define LAMPYRIS_GPU_SPIRV_H
 

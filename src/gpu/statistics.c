@@ -1,4 +1,4 @@
-// The driver's statistics of compiled kernels (VK_KHR_pipeline_executable_properties).
+// Reads the driver's statistics of compiled kernels (VK_KHR_pipeline_executable_properties).
 #include "gpu/gpu_internal.h"
 #include <stdio.h>
 

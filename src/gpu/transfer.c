@@ -1,4 +1,4 @@
-// Synchronous copies between the host and buffers.
+// Copies between the host and buffers, and waits for the end of each copy.
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-// Sample counts by tile of the image (--adaptive): the plan that allots samples to tiles, and the
-// passes that take them.
+// Controls sample counts by tile of the image (--adaptive): makes the plan that allots samples to
+// tiles, and the passes that take them.
 //
 // A plan states how many samples each tile takes in one round; a render is a number of whole
 // rounds. The plan alone decides which pixels a wave takes, whatever was rendered so far, so that

@@ -1,4 +1,4 @@
-// The names of sets of AOV_* bits that --aov and --error-by accept.
+// Lists the names of sets of AOV_* bits that --aov and --error-by accept.
 #ifndef LAMPYRIS_RENDER_AOV_NAMES_H
 #define LAMPYRIS_RENDER_AOV_NAMES_H
 

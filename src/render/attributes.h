@@ -1,4 +1,5 @@
-// Attributes of triangles' corners in device memory; see shared/types.h and lib/attributes.glsl.
+// Computes the layout of the attributes of triangles' corners in device memory: see shared/types.h
+// and lib/attributes.glsl.
 #ifndef LAMPYRIS_RENDER_ATTRIBUTES_H
 #define LAMPYRIS_RENDER_ATTRIBUTES_H
 

@@ -457,11 +457,10 @@ static bool check_state(const struct checkpoint *c, const struct renderer *r, st
     if (!ok)
         return err_set(err, ERR_INPUT, "%s: contains a renderer state that is not valid", c->path);
     return r->pass.position == 0 || 1u << r->pass.shift <= r->plan.wave_samples ||
-           err_set(
-               err, ERR_INPUT,
-               "%s: was written during a pass of %u samples a pixel, but a wave of this run has "
-               "only %u samples; expected a larger --wave",
-               c->path, 1u << r->pass.shift, r->plan.wave_samples);
+           err_set(err, ERR_INPUT,
+                   "%s: was written during a pass of %u samples per pixel, but a wave of this run "
+                   "has only %u samples; expected a larger --wave",
+                   c->path, 1u << r->pass.shift, r->plan.wave_samples);
 }
 
 bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *err)

@@ -1,4 +1,4 @@
-// A render's state in a file: another process continues from it bit for bit.
+// Saves a render's state in a file, from which another process continues bit for bit.
 //
 // A file consists of a header, the identity (lines that must be the same when the render
 // continues), the command line, the renderer's state, the tiles' plan, a hash of all that, and the

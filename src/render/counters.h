@@ -1,4 +1,4 @@
-// The host's access to the device's counters and queues, which share the buffer BINDING_QUEUES.
+// Accesses the device's counters and queues, which share the buffer BINDING_QUEUES.
 #ifndef LAMPYRIS_RENDER_COUNTERS_H
 #define LAMPYRIS_RENDER_COUNTERS_H
 

@@ -1,7 +1,7 @@
-// Cameras that are far from everything they see. At a distance of 1e8 m, a direction in single
-// precision has an error of 2^-24 of that distance, 6 m. Rays of such a camera therefore begin near
-// the scene, on a plane across the line of sight; the image's axes on this plane are computed in
-// double precision.
+// Handles cameras that are far from everything they see. At a distance of 1e8 m, a direction in
+// single precision has an error of 2^-24 of that distance, 6 m. Rays of such a camera therefore
+// begin near the scene, on a plane across the line of sight; the image's axes on this plane are
+// computed in double precision.
 #ifndef LAMPYRIS_RENDER_FAR_CAMERA_H
 #define LAMPYRIS_RENDER_FAR_CAMERA_H
 

@@ -1,5 +1,5 @@
-// The film in device memory, in one or several buffers, each for a range of pixels; and reading it
-// back.
+// Creates the film in device memory, in one or several buffers, each for a range of pixels, and
+// reads it back.
 #ifndef LAMPYRIS_RENDER_FILM_H
 #define LAMPYRIS_RENDER_FILM_H
 

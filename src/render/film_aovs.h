@@ -1,4 +1,4 @@
-// Images besides the radiance (AOVs), read back together with the film.
+// Reads back images besides the radiance (AOVs), together with the film.
 #ifndef LAMPYRIS_RENDER_FILM_AOVS_H
 #define LAMPYRIS_RENDER_FILM_AOVS_H
 

@@ -1,5 +1,5 @@
-// A copy, in host memory, of the film's records and of the renderer's state that belongs to them.
-// The same renderer can continue from it bit for bit after its device was reopened.
+// Copies the film's records, and the renderer's state that belongs to them, to host memory. The
+// same renderer can continue from it bit for bit after its device was reopened.
 #ifndef LAMPYRIS_RENDER_FILM_COPY_H
 #define LAMPYRIS_RENDER_FILM_COPY_H
 

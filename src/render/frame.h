@@ -1,4 +1,4 @@
-// The uniform block that all kernels read: camera, image, settings.
+// Fills and uploads the uniform block that all kernels read: camera, image, settings.
 #ifndef LAMPYRIS_RENDER_FRAME_H
 #define LAMPYRIS_RENDER_FRAME_H
 

@@ -1,4 +1,5 @@
-// The list of kernels. A new one costs a .comp file, a line here and a line in shaders/meson.build.
+// Lists the kernels. A new kernel needs a .comp file, a line here and a line in
+// shaders/meson.build.
 #ifndef LAMPYRIS_RENDER_KERNELS_H
 #define LAMPYRIS_RENDER_KERNELS_H
 

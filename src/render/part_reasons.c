@@ -1,4 +1,4 @@
-// Texts that explain why parts of a renderer are left out. specialize() makes the decisions.
+// Explains why parts of a renderer are left out. specialize() makes the decisions.
 #include "render/parts.h"
 
 struct reason {

@@ -1,5 +1,5 @@
-// The parts that a renderer may have (features of its kernels, kernels, buffers): which are in use,
-// why the others are left out, and how much that saves.
+// Lists the parts that a renderer may have (features of its kernels, kernels, buffers): which are
+// in use, why the others are left out, and how much that saves.
 #ifndef LAMPYRIS_RENDER_PARTS_H
 #define LAMPYRIS_RENDER_PARTS_H
 

@@ -1,5 +1,4 @@
-// The renderer as a library: a scene and a device in, a film out. The wavefront loop itself is in
-// wave.c.
+// Renders a scene on a device into a film. The wavefront loop itself is in wave.c.
 //
 //   struct renderer r = {0};
 //   renderer_create(&(struct renderer_params){.gpu = &gpu, .scene = &scene}, &r, &err)

@@ -1,4 +1,4 @@
-// Declarations shared by the files that upload a scene.
+// Declares what the files that upload a scene share.
 #ifndef LAMPYRIS_RENDER_UPLOAD_PARTS_H
 #define LAMPYRIS_RENDER_UPLOAD_PARTS_H
 

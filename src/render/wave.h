@@ -1,4 +1,5 @@
-// The wavefront loop: traces one batch of paths from the camera, and adds them to the film.
+// Implements the wavefront loop, which traces one batch of paths from the camera and adds them to
+// the film.
 #ifndef LAMPYRIS_RENDER_WAVE_H
 #define LAMPYRIS_RENDER_WAVE_H
 

@@ -1,6 +1,7 @@
-// A preview of the image without noise: the spatial filter of SVGF with its variance estimate and
-// temporal reprojection (Schied et al. 2017, "Spatiotemporal Variance-Guided Filtering"). It is
-// biased; saved files contain the unfiltered film. See docs/denoising.md.
+// Makes a preview of the image without noise, by the spatial filter of SVGF with its variance
+// estimate and temporal reprojection (Schied et al. 2017, "Spatiotemporal Variance-Guided
+// Filtering"). The preview is biased; saved files contain the unfiltered film. See
+// docs/denoising.md.
 #ifndef LAMPYRIS_RENDER_SHOW_DENOISE_H
 #define LAMPYRIS_RENDER_SHOW_DENOISE_H
 

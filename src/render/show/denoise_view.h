@@ -1,4 +1,4 @@
-// Cameras in the form that the denoiser's kernels read.
+// Converts cameras to the form that the denoiser's kernels read.
 #ifndef LAMPYRIS_RENDER_SHOW_DENOISE_VIEW_H
 #define LAMPYRIS_RENDER_SHOW_DENOISE_VIEW_H
 

@@ -355,18 +355,22 @@ static bool check_call(const struct display *d, const struct display_call *call,
     const uint32_t *p = call->picture;
     uint64_t pixels = (uint64_t)call->width * call->height;
     if (call->shown >= SHOWN_COUNT || call->side_count > 2 || pixels == 0)
-        return err_set(err, ERR_BUG,
-                       "picture %u of %u sides, %u x %u pixels; expected one below %u, of at most "
-                       "2, with pixels",
-                       call->shown, call->side_count, call->width, call->height, SHOWN_COUNT);
+        return err_set(
+            err, ERR_BUG,
+            "quantity %u on %u sides of %u x %u pixels; expected a quantity below %u, at "
+            "most 2 sides, and width and height above 0",
+            call->shown, call->side_count, call->width, call->height, SHOWN_COUNT);
     if (pixels > d->gpu->max_storage_range / sizeof(uint32_t))
-        return err_set(err, ERR_GPU, "%u x %u pixels to be shown; the device's limit is %llu",
-                       call->width, call->height,
-                       (unsigned long long)(d->gpu->max_storage_range / sizeof(uint32_t)));
+        return err_set(
+            err, ERR_GPU,
+            "an output of %u x %u pixels; expected at most %llu pixels, the device's limit",
+            call->width, call->height,
+            (unsigned long long)(d->gpu->max_storage_range / sizeof(uint32_t)));
     if (call->side_count == 0)
         return true;
     if (p[2] == 0 || p[3] == 0 || p[2] > DISPLAY_SIDE_MAX || p[3] > DISPLAY_SIDE_MAX)
-        return err_set(err, ERR_BUG, "a picture of %u x %u pixels; expected 1 to %u each", p[2],
+        return err_set(err, ERR_BUG,
+                       "a picture of %u x %u pixels; expected sides from 1 to %u pixels", p[2],
                        p[3], DISPLAY_SIDE_MAX);
     if ((uint64_t)p[0] + p[2] > call->width || (uint64_t)p[1] + p[3] > call->height)
         return err_set(err, ERR_BUG,

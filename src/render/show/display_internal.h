@@ -1,4 +1,4 @@
-// Declarations shared by the display's files.
+// Declares what the display's files share.
 #ifndef LAMPYRIS_RENDER_SHOW_DISPLAY_INTERNAL_H
 #define LAMPYRIS_RENDER_SHOW_DISPLAY_INTERNAL_H
 

@@ -1,4 +1,4 @@
-// Kernels, descriptor sets and buffers of the display.
+// Creates kernels, descriptor sets and buffers for the display, and dispatches its kernels.
 #include "render/show/display_internal.h"
 
 #include "base/memory.h"

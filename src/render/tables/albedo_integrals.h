@@ -1,6 +1,6 @@
-// Directional albedos by numerical quadrature of the formulas of docs/materials.md, in double
-// precision. Arguments are coordinates in [0, 1] along the tables' axes (lib/albedo.glsl). Only
-// albedo_generate uses this file.
+// Computes directional albedos by numerical quadrature of the formulas of docs/materials.md, in
+// double precision. Arguments are coordinates in [0, 1] along the tables' axes (lib/albedo.glsl).
+// Only albedo_generate uses this file.
 #ifndef LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H
 #define LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H
 

@@ -1,4 +1,5 @@
-// Directional albedos of microfacets, fibres, coats and diffuse surfaces, for lib/albedo.glsl.
+// Declares the tables of directional albedos of microfacets, fibres, coats and diffuse surfaces,
+// for lib/albedo.glsl.
 #ifndef LAMPYRIS_RENDER_TABLES_ALBEDO_TABLES_H
 #define LAMPYRIS_RENDER_TABLES_ALBEDO_TABLES_H
 

@@ -1,4 +1,4 @@
-// Alias tables: choose one of n bins in proportion to weights, by one random number.
+// Builds alias tables, which choose one of n bins in proportion to weights, by one random number.
 #ifndef LAMPYRIS_RENDER_TABLES_ALIAS_TABLE_H
 #define LAMPYRIS_RENDER_TABLES_ALIAS_TABLE_H
 

@@ -1,5 +1,5 @@
-// The power of emitters: the luminance of the emitted flux, divided by 2 pi. A surface of radiance
-// L and area A emits pi L A to each of its two sides, so its power is L A.
+// Computes the power of emitters: the luminance of the emitted flux, divided by 2 pi. A surface of
+// radiance L and area A emits pi L A to each of its two sides, so its power is L A.
 #ifndef LAMPYRIS_RENDER_TABLES_EMITTER_POWER_H
 #define LAMPYRIS_RENDER_TABLES_EMITTER_POWER_H
 

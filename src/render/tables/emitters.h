@@ -1,5 +1,5 @@
-// The emitters at which shadow rays are aimed, as kernels read them (BINDING_EMITTERS), in a form
-// that depends on the light sampling strategy (LIGHT_CHOICE_*).
+// Lists the emitters at which shadow rays are aimed, as kernels read them (BINDING_EMITTERS), in a
+// form that depends on the light sampling strategy (LIGHT_CHOICE_*).
 #ifndef LAMPYRIS_RENDER_TABLES_EMITTERS_H
 #define LAMPYRIS_RENDER_TABLES_EMITTERS_H
 

@@ -1,6 +1,6 @@
-// The environment image as kernels read it, and its tables for sampling (lib/environment.glsl).
+// Makes the buffer of the environment image, with its tables for sampling (lib/environment.glsl).
 //
-// It is an array of uvec4 words. If each texel is a patch of constant radiance
+// The buffer is an array of uvec4 words. If each texel is a patch of constant radiance
 // (ENVIRONMENT_FILTER_NEAREST), the array begins with the texels, row by row: the radiance of each,
 // and the density per solid angle with which it is sampled.
 //

@@ -1,7 +1,7 @@
-// A binary tree over emitters. Kernels descend it to select an emitter in proportion to a bound on
-// its contribution to a point (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights
-// with Adaptive Tree Splitting"; bounds of directions as in Pharr, Jakob, Humphreys 2023, section
-// 12.6.3).
+// Builds a binary tree over emitters. Kernels descend the tree to select an emitter in proportion
+// to a bound on its contribution to a point (Conty Estevez and Kulla 2018, "Importance Sampling of
+// Many Lights with Adaptive Tree Splitting"; bounds of directions as in Pharr, Jakob, Humphreys
+// 2023, section 12.6.3).
 #ifndef LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
 #define LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
 

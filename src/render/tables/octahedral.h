@@ -1,4 +1,4 @@
-// Unit vectors in 32 bits.
+// Encodes unit vectors in 32 bits.
 #ifndef LAMPYRIS_RENDER_TABLES_OCTAHEDRAL_H
 #define LAMPYRIS_RENDER_TABLES_OCTAHEDRAL_H
 

@@ -1,5 +1,5 @@
-// Scene data other than geometry, in the form that kernels read. The tables are built before memory
-// is planned, because the plan depends on their size.
+// Makes tables of scene data other than geometry, in the form that kernels read. The tables are
+// built before memory is planned, because the plan depends on their size.
 #ifndef LAMPYRIS_RENDER_TABLES_SHADING_TABLES_H
 #define LAMPYRIS_RENDER_TABLES_SHADING_TABLES_H
 

@@ -1,5 +1,5 @@
-// The textures that the materials in use read. Equal images are uploaded only once, and unused ones
-// not at all.
+// Lists the textures that the materials in use read. Equal images are uploaded only once, and
+// unused ones not at all.
 #ifndef LAMPYRIS_RENDER_TABLES_TEXTURE_SET_H
 #define LAMPYRIS_RENDER_TABLES_TEXTURE_SET_H
 
