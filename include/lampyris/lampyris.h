@@ -111,7 +111,7 @@ struct lampyris_error {
     enum lampyris_status status;
     const char *message;  // for people: the file, the place, the wrong value and what was expected
     const char *file;     // the file that has the error
-    const char *place;    // its place in a document, as a JSON pointer:
+    const char *place;    // place of the error in the document, as a JSON pointer:
                           // "/materials/white/roughness"
     const char *expected; // the part of the message that says what was expected: "[0, 1]"
 };
@@ -125,7 +125,7 @@ struct lampyris_device {
     const char *name, *driver;
     const char *kind;      // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
     const char *unusable;  // "", or why the renderer cannot use the device
-    uint64_t memory_bytes; // size of its largest device-local heap
+    uint64_t memory_bytes; // size of the device's largest device-local heap
     bool is_cpu;
 };
 
@@ -311,7 +311,8 @@ struct lampyris_layer {
     size_t size;
     const char *name;       // "radiance", "albedo", "depth", "half_a" ...
     uint32_t channel_count; // 1 to 3
-    const char *channels;   // their names, separated by commas: "R,G,B", "X,Y,Z", "object,material"
+    const char *channels;   // names of the channels, separated by commas: "R,G,B", "X,Y,Z",
+                            // "object,material"
     bool is_integer;        // values are uint32_t; otherwise float
 };
 

@@ -52,7 +52,7 @@ float alpha_probability(uint primitive, vec2 barycentrics, vec3 point, uint mate
 // the shadow rays of a bounce from its scattered ray.
 uvec4 alpha_key(uint seed, uint pixel, uint sample_index, uint bounce, bool is_shadow)
 {
-    const uint apart = 0x80000000u; // keeps the key apart from the dimensions of random_4d()
+    const uint apart = 0x80000000u; // makes the key differ from all keys of random_4d()
     return pcg4d(uvec4(pixel, sample_index, apart | bounce << 1u | (is_shadow ? 1u : 0u), seed));
 }
 

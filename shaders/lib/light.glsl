@@ -30,7 +30,8 @@ float light_distance(light_sample l)
 struct light_choice {
     uint primitive;
     float pick;
-    bool of_lamp; // selected within one lamp, so records do not have the probability
+    bool of_lamp; // the emitter was selected within one lamp, so its record does not have the
+                  // probability
 };
 
 // Returns the solid angle of a triangle that is sampled by solid angle; 0 if it is sampled by area,

@@ -30,8 +30,8 @@ struct principled {
     float film_thickness;
     vec3 compensation; // M
     vec3 through_compensation; // M_t
-    bool tries_again;          // samples of the base that another microfacet shadows are tried
-                               // again
+    bool tries_again;          // samples of the base are tried again if another microfacet shadows
+                               // them
     float tries_scale;         // factor on the base's density due to the tries
     float reflects_more;       // the reflected fraction of the light that Fresnel's equations
                                // transmit

@@ -20,7 +20,7 @@ const uint SDF_INNER_LOOPS = (HAS_SDF(SDF_BIT(SDF_METABALLS)) ? 1u : 0u) +
 
 struct sdf_field {
     vec4 to_object[3]; // linear part, and in w the vector that is subtracted first
-    vec3 low, high;    // its box
+    vec3 low, high;    // box of the field, in its own space
     uint first, count; // instructions
     float scale;       // world lengths per metre of the field
     float magnitude;

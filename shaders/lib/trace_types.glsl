@@ -25,7 +25,8 @@ struct trace_hit {
     vec2 uv;
     uint primitive; // NO_PRIMITIVE: none
     uint id;        // decides between hits at equal distance, so that the BVH does not matter
-    uint instance;  // at equal distance it decides before `id`; world space precedes all instances
+    uint instance;  // decides before `id` between hits at equal distance; world space precedes all
+                    // instances
 };
 
 void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id,

@@ -45,16 +45,16 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 
 // Operations; bit n of SDF_* constants stands for operation n. Shapes push s times their distance.
 #define SDF_SPHERE 0u  // a.x: radius
-#define SDF_BOX 1u     // a: half edges; b.x: radius of its rounded edges, within these
+#define SDF_BOX 1u     // a: half edges; b.x: radius of the rounded edges, inside the box
 #define SDF_FRAME 2u   // bars along the edges of a box; a: half edges; b.x: half of a bar's width
 #define SDF_TORUS 3u   // about y; a.x: radius of the ring, a.y: of the tube
 #define SDF_CAPSULE 4u // from a to b.xyz; b.w: radius
-#define SDF_CONE 5u    // along y, flat ends; a.x: radius below, a.y: above, a.z: half its height
+#define SDF_CONE 5u    // along y, flat ends; a.x: radius below, a.y: above, a.z: half the height
 // Sector of a ball about +y; a.x: radius; b.x, b.y: sine and cosine of the angle, up to pi, between
 // +y and the sector's side.
 #define SDF_SOLID_ANGLE 6u
-#define SDF_CYLINDER 7u // along y; a.x: radius, a.y: half its height, a.z: radius of rounded edges
-#define SDF_PLANE 8u    // half-space below a plane; a: unit normal; b.x: height along it
+#define SDF_CYLINDER 7u // along y; a.x: radius, a.y: half the height, a.z: radius of rounded edges
+#define SDF_PLANE 8u    // half-space below a plane; a: unit normal; b.x: height along the normal
 // A sheet; a.x: k, in radians per metre; a.y: half its thickness in metres. (|sin kx cos ky + sin
 // ky cos kz + sin kz cos kx|) / (k b.x) - a.y, where b.x bounds the gradient in units of k.
 #define SDF_GYROID 9u
@@ -68,7 +68,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 // where |dz| is the largest stretch of the map; the surface is where |z| finally is 1 (Hart, Sandin
 // and Kauffman 1989).
 #define SDF_MANDELBULB 11u // a.x: power, a.y: iterations, a.z: bailout radius; b.x: factor
-#define SDF_MENGER 12u     // a.x: half its edge, a.y: iterations
+#define SDF_MENGER 12u     // a.x: half the edge, a.y: iterations
 // A packing in a cell of edge 2, which is repeated; a.x: scale of the inversion, a.y: iterations;
 // b.x: factor. Never negative: a sheet without thickness, to which SDF_ROUND gives one.
 #define SDF_APOLLONIAN 13u
@@ -81,9 +81,9 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 #define SDF_INTERSECTION 16u
 #define SDF_DIFFERENCE 17u // x without y
 // These change the last distance.
-#define SDF_ROUND 18u  // minus s a.x
-#define SDF_SHELL 19u  // its absolute value, minus s a.x
-#define SDF_FACTOR 20u // times a.x, in (0, 1]
+#define SDF_ROUND 18u  // subtracts s a.x
+#define SDF_SHELL 19u  // takes the absolute value, then subtracts s a.x
+#define SDF_FACTOR 20u // multiplies by a.x, in (0, 1]
 // These save (p, s) and replace it.
 #define SDF_TRANSFORM 21u // p' = rows b, c, d of (p, 1); s' = a.x s
 #define SDF_REPEAT 22u    // along axes whose a is not 0: p' = p - a clamp(round(p / a), -b, b)

@@ -106,7 +106,7 @@ struct gpu_instance {
     float to_object[3][4]; // rows of the matrix; fourth components: the vector that is subtracted
                            // first
     float to_world[3][4];
-    uint root;     // root node of its tree
+    uint root;     // root node of the mesh's tree
     uint material; // material word that replaces those of the triangles, or NO_MATERIAL
     uint id;       // id in the flat scene; at equal distances it decides before the triangles' ids
     uint flags;    // INSTANCE_*
@@ -132,7 +132,7 @@ struct gpu_material_header {
     uint media;        // struct gpu_medium; medium m is record m - 1
     uint albedos;      // the tables of lib/albedo.glsl
     uint camera_media; // stack of media in which camera rays begin, see lib/media.glsl
-    float camera_ior;  // index of refraction of the medium in which they begin
+    float camera_ior;  // index of refraction of the medium in which camera rays begin
     uint suns;         // struct gpu_sun
     uint sun_count;
 };
@@ -141,9 +141,9 @@ SHARED_STATIC_ASSERT_SIZE(gpu_material_header, 32);
 
 struct gpu_material {
     uint model_flags;   // MATERIAL_*
-    uint first_texture; // its first texture; a material's textures are adjacent
+    uint first_texture; // first texture of the material; a material's textures are adjacent
     uint texture_count;
-    uint medium; // number of the medium inside it; 0: none
+    uint medium; // number of the medium inside its surfaces; 0: none
     float parameter[PARAMETER_COUNT];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_material, 192);
@@ -212,7 +212,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_emitter, 16);
 
 // The header of the buffer of a light tree. Offsets of sections are in uvec4 words.
 struct gpu_light_tree {
-    uint root;     // the root's word as a child; not defined if the tree is empty
+    uint root;     // the root, encoded as gpu_light_bounds.child; not defined if the tree is empty
     uint trails;   // struct gpu_light_trail, indexed by emitter
     uint infinite; // struct gpu_emitter: the bins of the infinitely far emitters
     uint infinite_count;
@@ -253,7 +253,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_light_trail, 16);
 
 // A lamp: connected emitters, a single emitter, or one that is infinitely far.
 struct gpu_lamp {
-    uint child; // the child below which all its emitters are
+    uint child; // the child below which all emitters of the lamp are
     uint depth; // level of this child, the number of bits before it in a trail; LIGHT_NOWHERE: no
                 // light
     uint align_lamp[2];
@@ -386,10 +386,11 @@ SHARED_STATIC_ASSERT_SIZE(gpu_queue, 128);
 struct gpu_counters {
     RECORD(gpu_queue) queue[QUEUE_COUNT];
     uint surface_hits[CLASS_COUNT][2]; // 64 bits each
-    uint
-        media_lost; // paths that entered more media than the stack holds, or left one never entered
-    uint clamped;   // number of clamped contributions, with FEATURE_CLAMP
-    uint clamped_light[2]; // luminance they lost, in limit / CLAMP_UNITS: 64 bits
+    uint media_lost; // paths that entered more media than the stack holds, or left a medium that
+                     // they had not entered
+    uint clamped;    // number of clamped contributions, with FEATURE_CLAMP
+    uint clamped_light[2]; // luminance that the clamped contributions lost, in limit / CLAMP_UNITS:
+                           // 64 bits
     uint closest_rays[2];  // 64 bits, low word first
     uint shadow_rays[2];
     uint steps[STEPS_COUNT][2];
@@ -397,8 +398,9 @@ struct gpu_counters {
                      // void
     uint suspended;  // number of continued traversals
     uint nonfinite[SITE_COUNT];
-    uint nonfinite_records; // number of claims on the following records; may exceed their number
-    uint sparse;            // paths, or branches of them, that FEATURE_MIN_DENSITY ended
+    uint nonfinite_records; // number of claims on the following records; may exceed
+                            // NONFINITE_RECORDS
+    uint sparse;            // paths, or branches of split paths, that FEATURE_MIN_DENSITY ended
     uint branches;          // branches that paths gained by splitting, with FEATURE_MIN_DENSITY
     RECORD(gpu_dispatch) dispatch[QUEUE_COUNT * DISPATCH_PARTS];
     uint nonfinite_record[NONFINITE_RECORDS * 4]; // pixel, sample, site, bounce
@@ -449,9 +451,10 @@ struct gpu_frame {
     uint max_bounces;
     VEC3(environment);     // radiance, or the factor of the image's radiance
     uint environment_size; // width in bits 0-15, height in 16-31
-    float environment_cos; // cosine and sine of its rotation about +Y
+    float environment_cos; // cosine and sine of the environment's rotation about +Y
     float environment_sin;
-    float environment_pick; // probability of selecting it, unless that depends on the position
+    float environment_pick; // probability of selecting the environment, unless it depends on the
+                            // position
     uint emitter_count;
     uint wave_slots;   // capacity of a queue and of the path arrays
     uint samples;      // planned number of samples per pixel; 0: not known
@@ -475,8 +478,8 @@ struct gpu_frame {
     uint sdfs;
     uint sdf_code;
     // With FEATURE_FAR_CAMERA; otherwise 0 and 1.
-    float camera_start;      // distance along the line of sight from the camera to where its rays
-                             // begin
+    float camera_start;      // distance along the line of sight from the camera to where camera
+                             // rays begin
     float lens_at_start;     // relative size of the lens there: 1 - camera_start / focus_distance
     uint small_triangles;    // offset, as `instances`
     uint pixel_strata;       // strata along a side of a pixel, for PIXEL_SAMPLING_GRID and
@@ -484,13 +487,14 @@ struct gpu_frame {
     float mis_exponent;      // only for MIS_POWER_ANY
     float min_density;       // minimum density of a direction, 1/sr, with FEATURE_MIN_DENSITY
     uint split_lobes;        // number of vertices at which paths split, with FEATURE_SPLIT_LOBES
-    float environment_floor; // subtracted from the luminances of its image for sampling
+    float environment_floor; // subtracted from luminances of the environment's image for sampling
     uint picture_width;
     VEC3(cells_begin); // grid for sorting rays: lowest corner of the scene
     uint picture_height;
     VEC3(cells_a_length); // grid for sorting rays: number of cells per unit of length
     uint window_first;    // number in the picture of the first pixel of the film
-    VEC3(scene_center);   // INTEGRATOR_BIDIR: sphere at which infinitely far light is aimed
+    VEC3(scene_center);   // INTEGRATOR_BIDIR: centre of the sphere at which infinitely far emitters
+                          // send light paths
     float scene_radius;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 272);

@@ -67,16 +67,19 @@ struct bvh_node_float {
 };
 _Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 
-// Child words. Inner child: the node's index (below 2^31). Leaf: BVH_LEAF | flags | first index. A
-// triangle leaf has consecutive entries of triangle_order, the first of which is that index; the
-// number of entries minus one is stored in the bits above it (bvh_leaf_index_bits). A shape leaf
-// has one shape; the index is the shape's own.
+// Child words. The word of an inner child is the index of its node (below 2^31). The word of a leaf
+// is BVH_LEAF | flags | index. The triangles of a leaf are consecutive entries of triangle_order;
+// the index is that of the first entry, and the bits above the index have the number of entries
+// minus one (bvh_leaf_index_bits). A leaf may instead have one shape or one instance; the index is
+// then that of the shape or instance.
 #define BVH_LEAF 0x80000000u
 #define BVH_LEAF_SHAPE 0x40000000u                       // one analytic shape instead of triangles
 #define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u) // one instance, by its own index
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
-#define BVH_INSTANCES_MAX 0x1ffffff0u // so that none equals BVH_EMPTY or a stack marker
+#define BVH_INSTANCES_MAX                                                                          \
+    0x1ffffff0u // limit for which no leaf word equals BVH_EMPTY or a stack
+                // marker
 
 // The maximum number of references that spatial splits add, as a fraction of the number of
 // triangles.

@@ -18,7 +18,7 @@ struct bvh_primitive {
 // whichever thread builds it. bvh_optimize() does not keep that order, but the root stays first.
 struct bvh_binary_node {
     struct bvh_box box;
-    uint32_t left;  // left child; leaf: the id of its one primitive
+    uint32_t left;  // left child; in a leaf, the id of the leaf's only primitive
     uint32_t right; // right child; 0: this is a leaf (the root is nobody's child)
 };
 

@@ -31,7 +31,7 @@ struct bin {
 struct bvh_chunk {
     struct bin bins[3][BIN_COUNT];
     uint32_t begin, end;            // offsets in the range
-    uint32_t next_left, next_right; // positions for its first primitives on either side
+    uint32_t next_left, next_right; // positions for the chunk's first primitives on either side
     struct bvh_box centroids[2];
 };
 

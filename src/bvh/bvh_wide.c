@@ -25,10 +25,11 @@ _Static_assert(sizeof(struct choice) == 16, "there are twice as many as triangle
 
 // A wide node before quantisation.
 struct draft {
-    uint32_t binary[WIDTH]; // the binary subtrees that are its children
+    uint32_t binary[WIDTH]; // the binary subtrees that are the node's children
     uint32_t child_count;
-    uint32_t first_inner;    // the wide index of its first inner child; others follow
-    uint32_t first_triangle; // position of its leaves' first triangle in triangle_order
+    uint32_t first_inner;    // the wide index of the node's first inner child; the others follow
+    uint32_t first_triangle; // position in triangle_order of the first triangle of the node's
+                             // leaves
 };
 
 struct collapse {

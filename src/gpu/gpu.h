@@ -15,7 +15,7 @@
 #include <volk.h>
 
 #define GPU_FIRST_STORAGE 16 // bindings 0 .. 15 are storage buffers
-#define GPU_MAX_STORAGE 32   // storage buffers, those after GPU_UNIFORM_BINDING included
+#define GPU_MAX_STORAGE 32   // storage buffers, including those after GPU_UNIFORM_BINDING
 #define GPU_MAX_TEXEL 12     // uniform texel buffers: bindings GPU_FIRST_STORAGE + 0 .. 11
 #define GPU_UNIFORM_BINDING (GPU_FIRST_STORAGE + GPU_MAX_TEXEL) // the uniform buffer
 #define GPU_MAX_BINDINGS (GPU_MAX_STORAGE + GPU_MAX_TEXEL + 1)
@@ -75,7 +75,8 @@ struct gpu {
     uint32_t storage_count;      // storage buffers that one kernel may bind
     uint32_t texel_count;        // uniform texel buffers that one kernel may bind
     uint64_t max_allocation;
-    uint64_t storage_alignment; // bytes; the offset of a storage range must be a multiple of it
+    uint64_t storage_alignment; // in bytes; the offset of a storage range must be a multiple of
+                                // this
     uint32_t max_groups;        // greatest number of workgroups per dispatch, in x
     uint32_t max_invocations;   // greatest number of threads per workgroup
     uint64_t max_shared_bytes;  // memory that the threads of a workgroup share

@@ -11,7 +11,7 @@ struct gpu_sets {
     struct {
         const struct gpu_layout *layout;
         VkDescriptorSet handle;
-        bool is_written; // it refers to the current buffers
+        bool is_written; // the set refers to the current buffers
     } list[POOL_SETS];
     uint32_t count;
     struct gpu_sets *next;

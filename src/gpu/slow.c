@@ -5,7 +5,7 @@
 
 struct gpu_slow {
     uint32_t count;
-    uint32_t groups[SLOW_DISPATCHES]; // workgroups of each dispatch; UINT32_MAX: the log has their
+    uint32_t groups[SLOW_DISPATCHES]; // workgroups of each dispatch; UINT32_MAX: the log has the
                                       // number
     uint32_t before[GPU_MAX_TIMESTAMPS];
 };

@@ -11,7 +11,7 @@ struct id {
     bool known;
     bool live;    // the label or function is reachable
     bool visited; // the label has been visited
-    bool dropped; // its instruction is removed
+    bool dropped; // the instruction that defines the id is removed
     bool needed;  // an instruction that is kept refers to the id
     bool is_bool; // the id is the Boolean type
     bool is_int;

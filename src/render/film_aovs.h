@@ -10,7 +10,8 @@
 // The brightest contribution to a pixel. All members are 0 for a pixel without light.
 struct film_brightest {
     float radiance[3]; // as added to the sample's radiance, after any clamping
-    uint32_t origin;   // BRIGHTEST_ORIGIN: its bounce, site and kind of emitter
+    uint32_t origin;   // bounce, site and kind of emitter of the contribution, as BRIGHTEST_ORIGIN
+                       // packs them
     uint32_t sample;   // the lowest such sample, if several are equally bright
 };
 

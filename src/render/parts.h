@@ -17,7 +17,7 @@ enum part_kind {
 
 struct part {
     enum part_kind kind;
-    uint32_t id; // bit in its specialization constant; for a kernel or a buffer: its index
+    uint32_t id; // bit in the part's specialization constant; for a kernel or a buffer, the index
     const char *name;
     bool is_kept;
     uint64_t bytes; // size of a buffer, even if it is left out

@@ -18,7 +18,7 @@ struct projection {
 struct projected {
     double x, y;         // pixels from the upper left corner of the image; may be outside
     double depth;        // distance along the line of sight; for panoramas along the ray
-    double origin[3];    // origin of the ray to it
+    double origin[3];    // origin of the ray to the point
     double direction[3]; // direction of that ray; a unit vector
     double distance;     // distance from that origin
     double pixel_area;   // area of a pixel at that distance, perpendicular to the ray

@@ -108,8 +108,8 @@ struct render_stats {
                        // --min-density
     uint64_t clamped;  // clamped contributions, and the total luminance lost by clamping
     double clamped_light;
-    uint64_t media_lost; // overflows of the stack of media, and exits from a medium that was not in
-                         // it
+    uint64_t media_lost; // overflows of the stack of media, and exits from a medium that the stack
+                         // did not have
     uint64_t waves, voided_waves; // voided: traced again because a ray exceeded its budget
     uint64_t waves_ahead;         // waves begun while another one was in flight
     uint64_t suspended;           // traversals that continued in a later dispatch
@@ -152,8 +152,8 @@ struct in_view {
 // The objects that a second wave in flight needs; struct renderer has those of the first.
 // wave_exchange() swaps the two sets, so that the same code works on the other wave.
 struct other_wave {
-    struct gpu_buffer buffers[BINDING_COUNT]; // those for which memory_plan_is_of_wave() returns
-                                              // true
+    struct gpu_buffer buffers[BINDING_COUNT]; // the buffers for which memory_plan_is_of_wave()
+                                              // returns true
     struct gpu_bindings *bindings;
     struct gpu_counters *counters;
     struct gpu_buffer counters_copy;
@@ -314,7 +314,7 @@ struct film_image {
     uint32_t *samples;
     struct film_rows rows;                // the rows that were rendered
     uint64_t least_samples, most_samples; // least and most samples of a pixel of these rows
-    uint64_t unsampled;                   // number of their pixels without a sample
+    uint64_t unsampled;                   // number of pixels of these rows without a sample
     uint64_t dropped;                     // number of samples that lost a non-finite contribution
     struct film_aovs aovs;
 };

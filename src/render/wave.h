@@ -41,7 +41,8 @@ bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 struct wave_step {
     enum kernel_id kernel;
     uint32_t bounce;
-    uint32_t queue;      // queue that it processes; for prepare_dispatch a mask of queues; else 0
+    uint32_t queue;      // queue that the kernel processes; for prepare_dispatch a mask of queues;
+                         // else 0
     uint32_t light_ray;  // for intersect_shadow: index of the shadow ray in its slot
     uint32_t part_items; // items of one dispatch; 0: as many as the device currently permits
 };

@@ -13,8 +13,8 @@ struct emitter_part {
     uint32_t kind, index; // EMITTER_*
 };
 
-bool emitter_is_far(struct emitter_part part); // whether it is infinitely far; its position is then
-                                               // a direction
+bool emitter_is_far(struct emitter_part part); // whether the part is infinitely far; its position
+                                               // is then a direction
 
 // Returns the part's centre: a point in the flat scene's space, or a unit direction.
 void emitter_center(const struct renderer *r, struct emitter_part part, double out[3]);

@@ -45,9 +45,9 @@ struct candidate {
 struct group {
     struct small_light light;
     uint64_t pixel;
-    size_t first, count; // the first candidate, and their number
+    size_t first, count; // index of the first candidate, and number of candidates
     double brightness;   // greatest channel of the candidates' total light
-    double free;         // fraction of its probes that reached an emitter
+    double free;         // fraction of the group's probes that reached an emitter
 };
 
 struct search {

@@ -7,7 +7,8 @@
 struct probe_ray {
     float origin[3];
     float direction[3]; // unit for intersect_closest; up to the segment's end for intersect_shadow
-    bool leaves;        // the ray starts on a triangle or shape, named as in struct probe_hit
+    bool leaves;        // the ray starts on primitive `from` of `from_instance`, numbered as in
+                        // struct probe_hit
     uint32_t from, from_instance;
 };
 

@@ -57,7 +57,7 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     struct {
         struct gpu_path path;
         uint32_t instances[4];
-        uint32_t weights[4]; // follow at once if there are no instances
+        uint32_t weights[4]; // in place of `instances` if the scene has no instances
     } record;
     uint64_t bytes = 16 * PATH_WORDS_OF(r->specialization.geometry, r->specialization.integrator);
     if (!gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, &record, bytes, err))

@@ -32,7 +32,8 @@ struct replay_vertex {
     double position[3];
     bool is_shape;
     uint32_t primitive; // index into the flat scene's triangles or shapes
-    uint32_t instance;  // index into its instances, if they share the mesh; else NO_INSTANCE
+    uint32_t instance;  // index into the flat scene's instances if they share the mesh; else
+                        // NO_INSTANCE
     const struct material *material;
 
     float gained[3]; // emission of the surface or radiance of the environment, with MIS weight

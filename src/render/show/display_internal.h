@@ -20,7 +20,7 @@ struct linear {
 struct sized {
     struct linear picture;
     struct gpu_buffer taps; // struct gpu_display_taps
-    uint32_t key[5];        // the sizes for which they were made
+    uint32_t key[5];        // the sizes for which the taps were computed
 };
 
 // The images of one side.

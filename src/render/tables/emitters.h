@@ -14,8 +14,8 @@ struct emitter_counts {
     uint32_t shapes[SHAPE_KIND_COUNT]; // by enum shape_kind; see shape_is_emitter()
     uint32_t lights;                   // delta lights
     uint32_t suns;                     // directional lights with an angular diameter
-    uint32_t environment; // 1: its image is an emitter; a uniform one is only found by scattered
-                          // rays
+    uint32_t environment; // 1: the environment's image is an emitter; only scattered rays find a
+                          // uniform environment
 };
 
 // Returns whether shadow rays can be aimed at shapes of that kind. Infinite planes and distance

@@ -33,7 +33,8 @@
 #include <stdint.h>
 
 struct environment_table {
-    const struct environment *environment; // without an image it counts as one white texel
+    const struct environment *environment; // an environment without an image counts as one white
+                                           // texel
     uint32_t filter;                       // ENVIRONMENT_FILTER_*
     bool is_sampled;
     float floor; // only luminance above this is sampled; 0: all of it

@@ -38,13 +38,13 @@ struct light_tree {
     struct gpu_light_bounds *nodes; // count - 1 pairs; parents come before children, the root first
     struct gpu_light_trail *trails; // count trails, in the order of the emitters
     struct gpu_lamp *lamps;         // lamp_count lamps
-    uint32_t root;                  // word of the root, as a child has it
+    uint32_t root;                  // the root, encoded as gpu_light_bounds.child
 };
 
 // The input: at least one emitter; all have positive power.
 struct light_tree_params {
     const struct light_bounds *bounds;
-    const uint32_t *primitives; // their primitive words
+    const uint32_t *primitives; // primitive words of the emitters
     const uint32_t *lamps;      // lamp of each emitter; the emitters of a lamp form one subtree
     uint32_t count, lamp_count;
     const struct progress *progress;
