@@ -144,8 +144,8 @@ vec3 environment_radiance(vec3 direction)
 
 // --- sampling ------------------------------------------------------------------------------------
 
-// Returns the number of words in one level of a table of `count` thresholds. Each component of a
-// word has a word of the level below.
+// Returns the number of words in one level of a table of `count` thresholds. The level below has
+// one word for each component of a word.
 uint table_level_words(uint count, uint level)
 {
     uint shift = 2u * level + 2u;

@@ -6,7 +6,7 @@
 #include "lib/constants.glsl"
 
 // Returns the neighbouring floats in the direction of `sign_of`, by component; components with sign
-// 0 are unchanged. From zero it steps to the smallest normal number, because devices may flush
+// 0 are unchanged. The neighbour of zero is the smallest normal number, because devices may flush
 // subnormal numbers.
 vec3 next_float_towards(vec3 value, vec3 sign_of)
 {

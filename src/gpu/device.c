@@ -75,7 +75,7 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
         err_prepend(err, "%s", out->info.name);
         goto fail;
     }
-    // The string belongs to the caller, who may free it after this call.
+    // These pointers belong to the caller, who may free what they point to after this call.
     out->params.device = NULL;
     out->params.instance_extensions = NULL;
     out->params.present_context = NULL;
