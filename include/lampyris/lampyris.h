@@ -88,7 +88,8 @@ enum lampyris_log_level {
 struct lampyris_context_params {
     size_t size;
     const char *device; // index or part of a name; NULL: the first device of the fastest kind
-    // Called with one line, without a newline. NULL: warnings are printed to standard error.
+    // The library calls it with one line, without a newline. NULL: warnings are printed to standard
+    // error.
     void (*log)(void *user, enum lampyris_log_level level, const char *message);
     void *user;
     enum lampyris_log_level log_level; // with `log`: the least important level that is passed to it
@@ -148,8 +149,8 @@ struct lampyris_moment {
 
 struct lampyris_progress {
     size_t size;
-    // Called often: while rendering, after every wave, which takes at most about a tenth of a
-    // second on a GPU. Return false to request a stop. The call in progress then returns
+    // The library calls it often: while rendering, after every wave, which takes at most about a
+    // tenth of a second on a GPU. Return false to request a stop. The call in progress then returns
     // LAMPYRIS_STOPPED as soon as the current wave has ended.
     bool (*report)(void *user, const struct lampyris_moment *moment);
     void *user;

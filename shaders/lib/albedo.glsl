@@ -179,7 +179,7 @@ vec3 albedo_axes_glass(float mu, float alpha, float eta)
 }
 
 // Returns the energy that a rough interface between dielectrics reflects and transmits in all. The
-// table has square roots.
+// table stores the square root of this energy.
 float albedo_glass(uint tables, float mu, float alpha, float eta)
 {
     vec3 axes = albedo_axes_glass(mu, alpha, eta);

@@ -114,8 +114,8 @@ uint light_pair_at(uint pair)
 }
 
 // Descends from a child of the tree to one emitter, by a number below `width`; returns the
-// emitter's primitive word. The width becomes the emitter's share of it. If no emitter contributes,
-// the width becomes 0, and the word is the index of a pair, not that of a primitive.
+// emitter's primitive word. `width` becomes the emitter's share of the width. If no emitter
+// contributes, the width becomes 0, and the word is the index of a pair, not that of a primitive.
 uint choose_below(uint child, receiver r, uvec2 number, inout float width)
 {
     while ((child & LIGHT_LEAF) == 0u) {

@@ -11,7 +11,7 @@ struct surface {
     vec3 position;
     vec3 error;            // bound on the position's rounding error, per component
     vec3 normal_geometric; // unit, towards the ray's origin
-    vec3 normal_shading;   // unit, on the same side
+    vec3 normal_shading;   // unit, on the side of normal_geometric
     uint material;         // material word
     float radius; // radius of a sphere; 0 otherwise
     vec3 center;  // centre of a sphere

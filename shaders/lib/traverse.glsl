@@ -189,8 +189,8 @@ void intersect_triangle_leaf(trace_ray ray, trace_space space, left_plane plane,
 
 // Selects the next node among the children that the ray enters, and pushes the others. `keys` are
 // the bits of the entry distances, or BVH_MISS; `top` is the top of the stack, which is popped if
-// no child is entered. Branch-free: every push is written, and the depth determines which ones
-// count.
+// no child is entered. The code has no branches: every push is written, and the depth determines
+// which ones count.
 #ifdef ANY_HIT
 // The first hit suffices, so children are visited in their own order, without sorting.
 uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
@@ -230,7 +230,7 @@ uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
 }
 #endif
 
-// Continues until the traversal is complete or `iterations` reaches the budget. Both loops share
+// Continues the traversal until it is complete or `iterations` reaches the budget. Both loops share
 // one count, because a driver may limit the iterations of all loops of an invocation together.
 void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout uint iterations)
 {

@@ -70,7 +70,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 #define SDF_MANDELBULB 11u // a.x: power, a.y: iterations, a.z: bailout radius; b.x: factor
 #define SDF_MENGER 12u     // a.x: half the edge, a.y: iterations
 // A packing in a cell of edge 2, which is repeated; a.x: scale of the inversion, a.y: iterations;
-// b.x: factor. Never negative: a sheet without thickness, to which SDF_ROUND gives one.
+// b.x: factor. The distance is never negative: the surface is a sheet without thickness, which
+// SDF_ROUND thickens.
 #define SDF_APOLLONIAN 13u
 // Sierpinski's tetrahedra; a.x: half the size, a.y: iterations. The corners are (1, 1, 1), (1, -1,
 // -1), (-1, 1, -1), (-1, -1, 1) times a.x.

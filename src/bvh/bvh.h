@@ -23,7 +23,7 @@ enum bvh_split {
     BVH_SPLIT_MIDDLE
 };
 // The effort of moving subtrees to better places after the build: for a limited time, not at all,
-// or as long as improvements are found. Only for BVH_SPLIT_SAH and BVH_SPLIT_SPATIAL.
+// or as long as improvements are found. It applies only to BVH_SPLIT_SAH and BVH_SPLIT_SPATIAL.
 enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
 // Nodes are of type struct bvh_node or struct bvh_node_float.
 enum bvh_format { BVH_QUANTISED, BVH_FLOAT };
@@ -40,7 +40,7 @@ struct bvh_method {
     uint32_t max_leaf; // triangles per leaf, 1 to BVH_LEAF_MAX; 0: BVH_LEAF_USUAL
     // The relative costs of visiting a wide node and of testing a primitive, from BVH_COST_MIN to
     // BVH_COST_MAX; 0 stands for 1. They decide how binary nodes are collapsed into wide nodes and
-    // leaves. Only for BVH_SPLIT_SAH and BVH_SPLIT_SPATIAL.
+    // leaves. They apply only to BVH_SPLIT_SAH and BVH_SPLIT_SPATIAL.
     double traversal_cost, intersection_cost;
 };
 
@@ -95,7 +95,7 @@ struct bvh_box {
 struct bvh_stats {
     // Expected cost of a random ray that hits the root's box and no primitive: 1 for each wide node
     // visited (including the root) and 1 for each primitive tested, whatever costs were used for
-    // the build. Computed with the boxes as stored in the nodes.
+    // the build. It is computed with the boxes as stored in the nodes.
     double sah_cost;
     uint32_t depth; // levels of the wide tree; a single root has 1
     // The maximum number of children (inner ones and leaves) that can be pending besides the

@@ -30,7 +30,7 @@ struct effort {
     // Bounds on the time in the worst case: the number of nodes that one search may visit, and the
     // number that all searches and refits may visit, as a multiple of the number of leaves.
     uint32_t search_max, work_of_leaves;
-    double gain_min; // rounds end when one lowers the cost by less than this fraction
+    double gain_min; // rounds end when a round lowers the cost by less than this fraction
 };
 
 static const struct effort normal_effort = {10, 6, 100, 32, 0.002};

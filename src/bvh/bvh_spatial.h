@@ -1,5 +1,5 @@
-// Splits a range by a plane that may cut triangles, instead of partitioning its primitives. Private
-// to this folder.
+// Splits a range by a plane that may cut triangles, instead of partitioning its primitives. This
+// file is private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_SPATIAL_H
 #define LAMPYRIS_BVH_BVH_SPATIAL_H
 

@@ -43,7 +43,8 @@ struct memory_plan_params {
     uint64_t pixels; // pixels of the largest picture; 0: as many as in the settings
     uint32_t wave;   // paths wanted in a wave; 0: the device's default. A limit may lower it.
     uint32_t waves;  // waves in flight; 0: as many as suit the device
-    // Lowers `wave` without a warning: to the default if memory does not suffice for it.
+    // Lowers `wave` without a warning. If memory does not suffice for `wave`, lowers it to the
+    // default.
     bool wave_is_wish;
     uint64_t replaced_bytes; // size of the existing buffers that the plan's buffers replace
 };

@@ -15,8 +15,8 @@
 
 struct kernel_recording_params {
     enum kernel_id kernel;
-    // Number of bounces before the kernel; for intersect_shadow, before its rays were generated.
-    // Ignored for generate_rays, accumulate and resolve.
+    // Number of bounces before the kernel; for intersect_shadow, before its rays were generated. It
+    // is ignored for generate_rays, accumulate and resolve.
     uint32_t depth;
     uint64_t samples; // samples per pixel of the render; a wave takes the largest power of two up
                       // to 16

@@ -7,7 +7,7 @@
 
 // The target of a shadow ray.
 struct replay_light {
-    uint32_t ray;   // index of the ray at the vertex
+    uint32_t ray;   // index among the vertex's shadow rays
     float point[3]; // relative to the shadow ray's origin
     float pdf;
     bool is_shape;

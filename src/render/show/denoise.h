@@ -22,8 +22,8 @@ enum denoise_pass {
 struct denoiser {
     struct gpu *gpu;
     struct gpu_buffer picture; // a vec4 per pixel: linear radiance, and the film's sample count;
-                               // width * height pixels, with room for more. Recreated if the image
-                               // grows
+                               // width * height pixels, with room for more. The buffer is recreated
+                               // if the image grows
     uint32_t width, height;
     bool has_history;
     double ms; // time of the last call on the device, in milliseconds
