@@ -67,8 +67,8 @@ void bvh_place_children(const struct bvh_range *range, struct bvh_range children
 void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
                struct bvh_range children[2]);
 
-// Returns whether to split a range arbitrarily because the work is to stop. Call it only for large
-// ranges; if the result is true, the children are not usable.
+// Returns whether to split a range arbitrarily because the work is to stop. The result is true only
+// for large ranges; the children are then not usable.
 static inline bool bvh_split_stopped(const struct bvh_splitter *splitter,
                                      const struct bvh_range *range)
 {
