@@ -229,7 +229,7 @@ struct gpu_light_bounds {
     float center[3];
     float radius;
     uint axis;    // octahedral
-    uint cosines; // theta_o in bits 0-15, theta_e in 16-30, each a cosine from -1 to 1;
+    uint cosines; // theta_o in bits 0-15, theta_e in 16-30, each a cosine from -1 to 1; the bit
                   // LIGHT_TWO_SIDED
     float power;  // fraction of the total power
     uint child;   // index of a pair, or LIGHT_LEAF and the word of a primitive
@@ -444,8 +444,8 @@ struct gpu_frame {
     uint width;            // of the film, which is the picture or a window of it
     VEC3(camera_forward);  // unit
     uint height;
-    VEC3(camera_right); // from the centre to the right edge of the image: at distance 1;
-                        // orthographic: a length; panoramic: unit
+    VEC3(camera_right); // from the centre to the right edge of the image; perspective: at distance
+                        // 1; orthographic: a length; panoramic: unit
     uint seed;
     VEC3(camera_up); // from the centre to the upper edge, in the same unit
     uint max_bounces;
