@@ -102,3 +102,10 @@ enum curve_verdict curve_judge(struct interval ratio)
 {
     return ratio.low > 1 ? CURVE_BETTER : ratio.high < 1 ? CURVE_WORSE : CURVE_NOT_TOLD_APART;
 }
+
+const char *curve_verdict_words(enum curve_verdict verdict)
+{
+    return verdict == CURVE_BETTER  ? "faster"
+           : verdict == CURVE_WORSE ? "slower"
+                                    : "no difference was found";
+}

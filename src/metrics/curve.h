@@ -44,5 +44,7 @@ enum curve_verdict { CURVE_NOT_TOLD_APART, CURVE_BETTER, CURVE_WORSE };
 // Judges a ratio of efficiencies by its interval: better if all of it is above 1, worse if all of
 // it is below.
 enum curve_verdict curve_judge(struct interval ratio);
+// Returns the words for people: "faster", "slower" or "no difference was found".
+const char *curve_verdict_words(enum curve_verdict verdict);
 
 #endif

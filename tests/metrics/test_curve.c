@@ -58,8 +58,10 @@ TEST(exact_lines)
     const double a[3] = {2, 4, 6}, b[3] = {1, 2, 3};
     struct interval ratio = curve_paired_ratio(a, b, 3);
     CHECK(fabs(ratio.value - 2) < 1e-12 && curve_judge(ratio) == CURVE_BETTER);
+    CHECK(strcmp(curve_verdict_words(curve_judge(ratio)), "faster") == 0);
     ratio = curve_paired_ratio(b, a, 3);
     CHECK(fabs(ratio.value - 0.5) < 1e-12 && curve_judge(ratio) == CURVE_WORSE);
+    CHECK(strcmp(curve_verdict_words(curve_judge(ratio)), "slower") == 0);
 }
 
 TEST(means_cover)
@@ -124,7 +126,9 @@ TEST(what_is_not_known)
     CHECK(isnan(curve_geometric_mean(values, 3).value), "an error of 0 has no logarithm");
     CHECK(isnan(curve_slope(x, values, 1, 3).value));
     CHECK(isnan(curve_paired_ratio(values, values, 3).value));
-    CHECK(curve_judge(curve_paired_ratio(values, values, 3)) == CURVE_NOT_TOLD_APART);
+    enum curve_verdict verdict = curve_judge(curve_paired_ratio(values, values, 3));
+    CHECK(verdict == CURVE_NOT_TOLD_APART);
+    CHECK(strcmp(curve_verdict_words(verdict), "no difference was found") == 0);
 }
 
 TEST_MAIN(TEST_CASE(geometric_mean_covers), TEST_CASE(means_cover), TEST_CASE(slope_covers),

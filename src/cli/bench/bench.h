@@ -119,7 +119,8 @@ const struct bench_row *bench_wall(const struct bench_variant *variant);
 // the wave's slots that are active.
 double bench_occupancy(const struct bench_variant *variant, uint32_t bounce);
 const char *bench_label(const struct bench_variant *variant); // "as given" if nothing is varied
-const char *bench_verdict(struct interval ratio); // "faster", "slower" or "not told apart"
+// Returns the verdict of the JSON: "faster", "slower" or "not told apart".
+const char *bench_verdict(struct interval ratio);
 
 // --- bench_baseline.c ---
 // The change of a row since an earlier run.
@@ -142,6 +143,7 @@ struct bench_change {
 // not such JSON, or if it is from another device or with another number of samples.
 bool bench_load_baseline(struct bench *b, struct err *err);
 bool bench_compare_baseline(struct bench *b, struct err *err); // sets b->changes
+// Returns the verdict of the JSON, in the words of bench_verdict().
 const char *bench_change_word(const struct bench_change *change);
 // Returns whether any row is slower than in the baseline.
 bool bench_is_slower(const struct bench *b);

@@ -37,7 +37,8 @@ static void put_frame(struct page *page, const struct bench_variant *v)
     html_number(&page->html, ((double)v->closest_rays + (double)v->shadow_rays) * 1e-6 / seconds,
                 "%.2f");
     put_speed(page, v, wall);
-    fprintf(out, "<td>%s</td>", v == bench_first(page->b, v) ? "" : bench_verdict(wall->ratio));
+    fprintf(out, "<td>%s</td>",
+            v == bench_first(page->b, v) ? "" : curve_verdict_words(curve_judge(wall->ratio)));
 }
 
 static void put_variant(struct page *page, const struct bench_variant *v)
@@ -196,7 +197,7 @@ static void put_changes(struct page *page)
         html_number(&page->html, c->before_ms, "%.3f");
         html_number(&page->html, c->row->median.value, "%.3f");
         html_interval(&page->html, c->ratio, "%.3f");
-        fprintf(out, "<td>%s</td></tr>\n", bench_change_word(c));
+        fprintf(out, "<td>%s</td></tr>\n", curve_verdict_words(c->verdict));
     }
     fprintf(out,
             "</table></div>\n<p>The intervals hold for all rows simultaneously: if the machine is "

@@ -47,7 +47,8 @@ static void print_frame(const struct bench *b, const struct bench_variant *v)
            (double)v->paths * 1e-6 / seconds, rays * 1e-6 / seconds, v->warm_up_ms);
     if (v != bench_first(b, v) && isfinite(wall->ratio.value))
         printf("  speed   %.3f [%.3f, %.3f] of \"%s\": %s\n", wall->ratio.value, wall->ratio.low,
-               wall->ratio.high, bench_label(bench_first(b, v)), bench_verdict(wall->ratio));
+               wall->ratio.high, bench_label(bench_first(b, v)),
+               curve_verdict_words(curve_judge(wall->ratio)));
 }
 
 // Prints a number, or a dash if the number is not known.
@@ -122,7 +123,7 @@ static void print_changes(const struct bench *b)
         print_number("%*.2f", 9, c->before_ms);
         print_number("%*.2f", 9, c->row->median.value);
         printf(" %24s  %s\n", range,
-               c->verdict == CURVE_NOT_TOLD_APART ? "" : bench_change_word(c));
+               c->verdict == CURVE_NOT_TOLD_APART ? "" : curve_verdict_words(c->verdict));
         slower += c->verdict == CURVE_WORSE;
     }
     if (slower > 0 && slower == b->change_count)

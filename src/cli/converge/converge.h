@@ -131,7 +131,8 @@ bool converge_reference(struct converge *c, struct err *err);
 bool converge_conclude(struct converge *c, struct err *err);
 // Returns the text of the variant's options; "as given" if no option varies.
 const char *converge_label(const struct converge_curve *curve);
-// Returns "faster", "slower" or "not told apart" for a ratio of efficiencies.
+// Returns the verdict of the JSON for a ratio of efficiencies: "faster", "slower" or "not told
+// apart".
 const char *converge_verdict(struct interval ratio);
 bool converge_is_biased(const struct converge_curve *curve);
 // Writes the sentences that explain the numbers, and returns how many there are.

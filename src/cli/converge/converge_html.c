@@ -121,7 +121,7 @@ static void put_ratio(struct page *page, struct interval ratio)
     fprintf(out, "<td class=\"%s\">%.3g &times; <small>", classes[curve_judge(ratio)], ratio.value);
     if (!isnan(ratio.low))
         fprintf(out, "[%.3g, %.3g]", ratio.low, ratio.high);
-    fprintf(out, "</small>%s</td>", converge_verdict(ratio));
+    fprintf(out, "</small>%s</td>", curve_verdict_words(curve_judge(ratio)));
 }
 
 static void put_row(struct page *page, const struct converge_curve *curve, bool is_first)

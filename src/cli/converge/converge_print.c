@@ -125,7 +125,7 @@ void converge_print(const struct converge *c)
         print_interval(curve->slope, "%.3f", 24);
         printf(" %9.3g", last->seconds.value);
         print_interval(curve->ratios[0], "%.3g", 22);
-        printf("  %s\n", is_first ? "" : converge_verdict(curve->ratios[0]));
+        printf("  %s\n", is_first ? "" : curve_verdict_words(curve_judge(curve->ratios[0])));
         print_metrics(c, curve);
         print_targets(curve);
         error_sources_print(&curve->pooled, NULL);
