@@ -1,7 +1,7 @@
-"""Answers to the questions of `reproduce`, in words that follow from the figures.
+"""Answers to the questions of `reproduce`, in sentences that follow from the figures.
 
-An answer is made of the results of its report. What is said to be better, worse, biased or alike is what
-the intervals say; a reason is given only where what it explains was found. Each returns sentences.
+Each function composes an answer from the results of its report, and returns sentences. The intervals decide which methods
+are called better, worse or biased. A reason is given only if the effect that it explains was found.
 """
 
 import math
@@ -26,12 +26,12 @@ def listed(words):
 
 
 def apart(a, b):
-    """Whether two intervals have nothing in common: 1 where a is above b, -1 below, 0 neither."""
+    """Returns 1 if interval a is above interval b, -1 if it is below, 0 if they overlap."""
     return 1 if a["ci_low"] > b["ci_high"] else -1 if a["ci_high"] < b["ci_low"] else 0
 
 
 class Curves:
-    """Results of `converge`, by the words of a curve's label."""
+    """Results of `converge`, found by the labels of the curves."""
 
     def __init__(self, results):
         self.list = results["curves"]
@@ -48,16 +48,16 @@ class Curves:
         return self.list[self.index[label]]
 
     def ratio(self, label, than):
-        """Of efficiencies."""
+        """Returns the ratio of the efficiencies of two curves."""
         return self.pairs[self.index[label], self.index[than]]
 
     def told(self, label, than):
-        """1: more efficient, -1: less, 0: not told apart."""
+        """Returns 1 if the first is more efficient, -1 if it is less efficient, 0 if no difference was found."""
         ratio = self.ratio(label, than)
         return 1 if ratio["ci_low"] > 1 else -1 if ratio["ci_high"] < 1 else 0
 
     def best(self, labels):
-        """The one that is told more efficient than all others, or None."""
+        """Returns the curve that is significantly more efficient than all others, or None."""
         found = [a for a in labels if all(self.told(a, b) > 0 for b in labels if b != a)]
         return found[0] if found else None
 
@@ -66,7 +66,7 @@ class Curves:
         return found[0] if found else None
 
     def top(self, labels):
-        """The one of most efficiency, and what is not told apart from it."""
+        """Returns the curve with the highest efficiency, and all curves without a significant difference from it."""
         first = max(labels, key=lambda label: self[label]["efficiency"]["value"])
         return first, [a for a in labels if a == first or self.told(a, first) == 0]
 
@@ -78,11 +78,16 @@ class Curves:
         return self[label]["points"][-1]["seconds"]
 
     def is_slow(self, label):
-        """Whether the error falls more slowly than with 1 / samples."""
+        """Returns whether the error falls more slowly than 1 / samples."""
         return self[label]["slope"]["ci_low"] > -1
 
     def biased(self, labels):
         return [label for label in labels if self[label]["biased"]]
+
+
+def words_of(verdict):
+    """Returns a verdict of the JSON in words for people."""
+    return "no difference was found" if verdict == "not told apart" else verdict
 
 
 def value_of(label):
@@ -94,36 +99,42 @@ def name_of(label):
 
 
 def winner(curves, labels, name=name_of):
-    """Which is the most efficient, and by how much."""
+    """Says which curve is the most efficient, and by how much."""
     best = curves.best(labels)
     if best is None:
         first, alike = curves.top(labels)
         others = [name(label) for label in alike if label != first]
-        return f"{name(first)} has the highest efficiency, not told apart from {listed(others)}."
+        return f"{name(first)} has the highest efficiency; no difference of efficiency from {listed(others)} was found."
     second = max((label for label in labels if label != best),
                  key=lambda label: curves[label]["efficiency"]["value"])
     return (f"{name(best)} is the most efficient, {span(curves.ratio(best, second))} times "
-            f"{name(second)}, the next.")
+            f"as efficient as {name(second)}, the next.")
 
 
 def bias_of(curves, labels, name=name_of):
     found = curves.biased(labels)
     if not found:
         return "No bias was found in any of them." if len(labels) > 2 else "No bias was found in either."
-    return "Biased, which no number of samples mends: " + listed(
-        f"{name(label)} by {number(curves[label]['bias']['value'], 2)}" for label in found) + "."
+    return "More samples do not reduce the bias of " + listed(
+        f"{name(label)} (relMSE {number(curves[label]['bias']['value'], 2)})" for label in found) + "."
 
 
 def compared(curves, first, others):
-    """Errors at the same samples."""
+    """Compares errors at the same number of samples."""
     order = {label: apart(curves.error(label), curves.error(first)) for label in others}
     said = []
-    for sign, words in ((-1, "less error than"), (1, "more error than"), (0, "an error not told apart from that of")):
+    for sign in (-1, 1, 0):
         found = [name_of(label) for label in others if order[label] == sign]
-        if found:
-            said.append(f"{listed(found)} {'has' if len(found) == 1 else 'have'} {words} {name_of(first)} "
-                        "at the same samples.")
+        said += [difference(found, sign, name_of(first), "number of samples")] if found else []
     return said
+
+
+def difference(found, sign, first, condition):
+    """Says that these curves have less (sign -1), more (1) or about as much (0) error as the first one."""
+    if sign == 0:
+        return f"At the same {condition}, no difference of error between {listed(found)} and {first} was found."
+    return (f"At the same {condition}, {listed(found)} {'has' if len(found) == 1 else 'have'} "
+            f"{'less' if sign < 0 else 'more'} error than {first}.")
 
 
 # --- converge -------------------------------------------------------------------------------------
@@ -134,11 +145,11 @@ def directions(results):
     labels = list(curves.index)
     said = [winner(curves, labels)]
     if curves.best(labels) == "directions=bsdf":
-        said.append("Other directions rarely meet the lamps in the mirror's.")
+        said.append("Directions chosen otherwise rarely reach the lamps by the narrow specular lobe.")
     slow = [name_of(label) for label in labels if curves.is_slow(label)]
     if slow:
-        said.append(f"The error of {listed(slow)} falls more slowly than with 1 / samples: few samples "
-                    "carry it.")
+        said.append(f"The error of {listed(slow)} falls more slowly than 1 / samples, because few "
+                    "samples contribute most of it.")
     return said + [bias_of(curves, labels)]
 
 
@@ -149,9 +160,9 @@ def lights(results):
     worst = curves.worst(labels)
     if worst:
         said.append(f"{name_of(worst)} is the least efficient" + (
-            ", for the strongest lamp is the farthest." if worst == "light-choice=power" else "."))
+            ", because the most powerful lamp is the farthest." if worst == "light-choice=power" else "."))
     every = curves.seconds("light-choice=all")["value"] / curves.seconds("light-choice=uniform")["value"]
-    return said + [f"All lights take {number(every, 2)} times as long as one."]
+    return said + [f"Sampling all lights takes {number(every, 2)} times as long as sampling one."]
 
 
 def depths(results):
@@ -159,24 +170,26 @@ def depths(results):
     roulette = [label for label in curves.index if label.startswith("roulette")]
     bounded = [label for label in curves.index if label.startswith("max-bounces")]
     first, alike = curves.top(roulette)
-    said = [f"Roulette is best begun at {value_of(first)} bounces; not told apart from that: "
-            + listed(value_of(label) for label in alike if label != first) + "."
-            if len(alike) > 1 else f"Roulette is best begun at {value_of(first)} bounces."]
+    said = [f"The efficiency is highest if roulette begins at bounce {value_of(first)}."]
+    if len(alike) > 1:
+        said.append("No significant difference from it was found for bounce "
+                    + listed(value_of(label) for label in alike if label != first) + ".")
     others = [label for label in roulette if label not in alike]
     if others:
-        said.append("Told worse: " + listed(value_of(label) for label in others) + ".")
+        said.append("The efficiency is significantly lower for bounce " + listed(value_of(label) for label in others)
+                    + ".")
     biased = curves.biased(bounded)
     if biased:
         first, last = curves[biased[0]]["bias"]["value"], curves[biased[-1]]["bias"]["value"]
-        said.append(f"A maximum depth biases: by {number(first, 2)} at {value_of(biased[0])} bounce"
-                    f"{'s' if value_of(biased[0]) != '1' else ''}, by {number(last, 2)} at "
-                    f"{value_of(biased[-1])}.")
+        said.append("A maximum depth makes the image biased: the bias is a relMSE of "
+                    f"{number(first, 2)} at {value_of(biased[0])} bounce{'s' if value_of(biased[0]) != '1' else ''}, and "
+                    f"{number(last, 2)} at {value_of(biased[-1])}.")
         free = [value_of(label) for label in bounded if label not in biased]
         said += [f"No bias was found at {listed(free)}."] if free else []
         stuck = [value_of(label) for label in biased
                  if curves[label]["bias"]["value"] > 0.5 * curves.error(label)["value"]]
-        said += [f"More than half of the error at the end is bias at {listed(stuck)}: more samples hardly "
-                 "help there."] if stuck else []
+        said += [f"At {listed(stuck)}, more than half of the error at the end is bias, so that more samples hardly "
+                 "help."] if stuck else []
     else:
         said.append("No bias was found at any maximum depth.")
     return said
@@ -189,19 +202,20 @@ def nee(results):
              off: "BSDF sampling alone"}
     if curves.best([both, alone, off]) == both:
         said = [f"{names[both]} is the most efficient: {span(curves.ratio(both, alone))} times "
-                f"{names[alone]}, {span(curves.ratio(both, off))} times {names[off]}."]
+                f"as efficient as {names[alone]}, and {span(curves.ratio(both, off))} times as efficient as "
+                f"{names[off]}."]
     else:
         said = [winner(curves, [both, alone, off], lambda label: names[label])]
     slow = [names[label] for label in (both, alone, off) if curves.is_slow(label)]
     if slow:
-        said.append(f"The error of {listed(slow)} falls more slowly than with 1 / samples, as fireflies "
-                    "make it.")
+        said.append(f"The error of {listed(slow)} falls more slowly than 1 / samples, because few "
+                    "samples contribute most of it.")
     return said + [bias_of(curves, list(curves.index), lambda label: names[label])]
 
 
 def price(curves, label, first):
-    """Error times processor time, over that of the first: below 1 it gains. The intervals of the errors and of the time
-    are taken to be independent."""
+    """Returns error times processor time, divided by that of the first curve; lower is better. The intervals of the
+    errors and of the time are taken to be independent."""
     parts = [curves.error(label), curves.error(first), curves[label]["processor_ratio"]]
     value = parts[0]["value"] / parts[1]["value"] * parts[2]["value"]
     half = math.hypot(*(math.log(part["ci_high"] / part["ci_low"]) / 2 for part in parts))
@@ -212,15 +226,13 @@ def splits(results):
     curves = Curves(results)
     first, *others = list(curves.index)
     said = compared(curves, first, others)
-    said.append("A sample takes " + listed(f"{span(curves[label]['processor_ratio'])} times the processor time with "
-                                           f"{name_of(label)}" for label in others) + ".")
+    said.append(f"The processor time of a sample, relative to {name_of(first)}, is " + listed(
+        f"{span(curves[label]['processor_ratio'])} with {name_of(label)}" for label in others) + ".")
     prices = {label: price(curves, label, first) for label in others}
-    for sign, words in ((-1, "a gain"), (1, "a loss"), (0, "not told apart")):
+    for sign in (-1, 1, 0):
         found = [name_of(label) for label in others
                  if (prices[label]["ci_low"] > 1) - (prices[label]["ci_high"] < 1) == sign]
-        if found:
-            said.append(f"For the same processor time, {listed(found)} {'is' if len(found) == 1 else 'are'} {words} "
-                        f"against {name_of(first)}.")
+        said += [difference(found, sign, name_of(first), "processor time")] if found else []
     return said + [bias_of(curves, [first, *others])]
 
 
@@ -237,13 +249,13 @@ def samplers(results):
     name = name_of(first)
     said = []
     if halved:
-        said.append(f"{listed(halved)} have less than half of the error of {name} at the same samples.")
+        said.append(f"At the same number of samples, {listed(halved)} have less than half of the error of {name}.")
     if steeper:
-        said.append(f"The error of {listed(steeper)} falls faster with samples.")
+        said.append(f"The error of {listed(steeper)} falls faster with the number of samples than that of {name}.")
     if alike:
-        said.append(f"{listed(alike)} and {name} are not told apart.")
-    said.append(f"More time than {name} is taken by {listed(slower)}." if slower else
-                f"None takes more time than {name}, as far as the intervals tell.")
+        said.append(f"No difference of efficiency was found between {listed(alike)} and {name}.")
+    said.append(f"{listed(slower)} {'takes' if len(slower) == 1 else 'take'} more time than {name}." if slower else
+                f"No sampler takes significantly more time than {name}.")
     said.append(winner(curves, [first, *others]))
     return said
 
@@ -252,13 +264,13 @@ def strata(results):
     curves = Curves(results)
     jitter, grid = "sampler=stratified", "sampler=grid"
     told = curves.told(grid, jitter)
-    ratio = f"{span(curves.ratio(grid, jitter))} of the efficiency"
-    said = [{0: f"Not told apart: the grid has {ratio}.",
-             1: f"Without jitter: the grid has {ratio}.",
-             -1: f"With jitter: the grid has {ratio}."}[told]]
+    ratio = f"the grid is {span(curves.ratio(grid, jitter))} times as efficient as jittered strata"
+    said = [{0: f"No difference was found: {ratio}.",
+             1: f"Strata without jitter are more efficient: {ratio}.",
+             -1: f"Strata with jitter are more efficient: {ratio}."}[told]]
     said.append(bias_of(curves, [jitter, grid]))
     if not curves.biased([grid]):
-        said.append(f"That of the grid is below {number(curves[grid]['bias']['ci_high'], 2)}.")
+        said.append(f"The bias of the grid is below a relMSE of {number(curves[grid]['bias']['ci_high'], 2)}.")
     return said
 
 
@@ -268,7 +280,7 @@ def pixels(results):
     name = name_of(first)
     said = compared(curves, first, others)
     least = min(curves.index, key=lambda label: curves.error(label)["value"])
-    said.append(f"The least error is that of {name_of(least)}: {span(curves.error(least))}, that of {name} "
+    said.append(f"{name_of(least)} has the lowest error, {span(curves.error(least))}; the error of {name} is "
                 f"{span(curves.error(first))}.")
     said.append(bias_of(curves, [first, *others]))
     return said
@@ -282,18 +294,19 @@ def whitted(results):
     path, tree = "integrator=path", "integrator=whitted"
     said = []
     if curves.biased([tree]):
-        said.append("Diffuse light from other surfaces and caustics: a bias of "
-                    f"{span(curves[tree]['bias'], 2)}, which no number of samples removes.")
+        said.append("Whitted's model leaves out diffuse light from other surfaces and caustics: a bias of "
+                    f"{span(curves[tree]['bias'], 2)} relMSE, which more samples do not reduce.")
     else:
-        said.append("What it leaves out was not found as bias.")
+        said.append("No bias was found in Whitted's model.")
     time = apart(curves.seconds(tree), curves.seconds(path))
-    said.append({1: "It takes more time: ", -1: "It saves time: ", 0: "It saves no time that is told apart: "}[time]
-                + f"{span(curves.seconds(tree))} instead of {span(curves.seconds(path))} seconds.")
+    said.append({1: "It takes more time than path tracing: ", -1: "It takes less time than path tracing: ",
+                 0: "No difference of time was found: "}[time]
+                + f"{span(curves.seconds(tree))} s instead of {span(curves.seconds(path))} s.")
     counts = [point["spp"] for point in curves[path]["points"]]
     fewer = [str(n) for k, n in enumerate(counts)
              if apart(curves.error(tree, k), curves.error(path, k)) < 0]
-    said.append(f"Its error is the smaller one at {listed(fewer)} samples a pixel only." if fewer else
-                "Its error is the smaller one nowhere.")
+    said.append(f"It has the lower error only at {listed(fewer)} samples per pixel." if fewer else
+                "It has the lower error at no number of samples.")
     return said
 
 
@@ -306,19 +319,19 @@ def samples(results):
         spp, ratio = float(value_of(variant["label"])), variant["frame"]["speed_ratio"]
         (fits if ratio["ci_low"] <= 1 / spp <= ratio["ci_high"] else other).append(variant)
     if not other:
-        return ["Time is proportional to samples, within the intervals."]
-    return ["Time is not proportional to samples: " + listed(
+        return ["No deviation from a time proportional to the number of samples was found."]
+    return ["The time is not proportional to the number of samples: " + listed(
         f"{v['label']} has {span(v['frame']['speed_ratio'])} of the speed" for v in other) + "."]
 
 
 def steps_a_ray(variant, what):
-    """Nodes visited or primitives tested, by rays for the nearest hit and shadow rays together."""
+    """Returns the nodes visited or primitives tested per ray, over closest-hit and shadow rays together."""
     rows = [row for row in variant["rows"] if row["nodes"]]
     return sum(row[what] for row in rows) / sum(row["items"] for row in rows)
 
 
 def fewest(variants, name):
-    """Which have the least of what rays do."""
+    """Says with which variants rays visit the fewest nodes and test the fewest primitives."""
     said = []
     for what, verb in (("nodes", "visits"), ("primitives", "tests")):
         least = min(variants, key=lambda v: steps_a_ray(v, what))
@@ -331,15 +344,17 @@ def fewest(variants, name):
 def bvh(results):
     first, *others = results["variants"]
     name = name_of(first["label"])
-    said = ["Against " + name + ": " + listed(
-        f"{name_of(v['label'])} is {v['frame']['verdict']}, {span(v['frame']['speed_ratio'])} times the speed"
-        for v in others) + "."]
+    said = []
+    for v in others:
+        ratio, verdict = f"{span(v['frame']['speed_ratio'])} times the speed", v["frame"]["verdict"]
+        said.append(f"No difference of speed was found between {name_of(v['label'])} and {name}: {ratio}."
+                    if verdict == "not told apart" else f"{name_of(v['label'])} is {verdict} than {name}: {ratio}.")
     top = max(others, key=lambda v: v["frame"]["speed_ratio"]["value"])
     near = [name_of(v["label"]) for v in others
             if v is not top and apart(v["frame"]["speed_ratio"], top["frame"]["speed_ratio"]) == 0]
     if near:
         said.append(f"The intervals of {listed([name_of(top['label']), *near])} overlap.")
-    return said + fewest(results["variants"], lambda v: name_of(v["label"])) + ["See also docs/performance.md."]
+    return said + fewest(results["variants"], lambda v: name_of(v["label"])) + []
 
 
 def leaves(results):
@@ -352,21 +367,22 @@ def leaves(results):
     for verdict in ("faster", "slower"):
         told = [v for v in others if v["frame"]["verdict"] == verdict]
         if told:
-            said.append(f"Than {name(first)} {verdict}: " + listed(
-                f"{name(v)}, {span(v['frame']['speed_ratio'])} times the speed" for v in told) + ".")
+            said.append("These are " + verdict + f" than {name(first)}: " + listed(
+                f"{name(v)} ({span(v['frame']['speed_ratio'])} times the speed)" for v in told) + ".")
     alike = [v for v in others if v["frame"]["verdict"] == "not told apart"]
     if alike:
-        said.append(f"Not told apart from {name(first)}: " + listed(
-            f"{name(v)}, {span(v['frame']['speed_ratio'])}" for v in alike) + ".")
+        said.append(f"No difference of speed from {name(first)} was found for these, with their relative speeds: " + listed(
+            f"{name(v)} ({span(v['frame']['speed_ratio'])})" for v in alike) + ".")
     return said
 
 
 def frame(results):
-    return f"Here it is {number(results['variants'][0]['frame']['fps'], 2)}, on a CPU driver."
+    return f"Lampyris renders {number(results['variants'][0]['frame']['fps'], 2)} frames/s on a CPU driver."
 
 
 def frame_10k(results):
-    return ["A Radeon R9 280X was reported with 40 frames/s for a frame of these numbers on another scene.",
+    return ["A Radeon R9 280X was reported to render 40 frames/s of another scene with these numbers of pixels, "
+            "bounces, samples and triangles, with another program.",
             frame(results)]
 
 
@@ -374,13 +390,14 @@ def frame_900k(results, fewer):
     this, that = results["variants"][0], fewer["variants"][0]
     triangles = this["bvh"]["triangles"] / that["bvh"]["triangles"]
     order = apart(this["frame"]["ms"], that["frame"]["ms"])
-    return ["Reported for that card: 18 frames/s.", frame(results),
-            f"With {number(triangles, 2)} times the triangles a frame takes " + {
-                1: "longer: ", 0: "a time that is not told apart: ", -1: "less time: "}[order]
-            + f"{span(this['frame']['ms'], 4)} instead of {span(that['frame']['ms'], 4)} ms."]
+    return ["The report for the Radeon R9 280X is 18 frames/s.", frame(results),
+            {1: "A frame takes longer", 0: "No difference of time was found", -1: "A frame takes less time"}[order]
+            + f" with {number(triangles, 2)} times the triangles: "
+            f"{span(this['frame']['ms'], 4)} ms instead of {span(that['frame']['ms'], 4)} ms."]
 
 
 def frame_hd(results):
     frames = results["variants"][0]["frame"]["fps"]
-    reach = "That is reached here" if frames >= 30 else "Here it takes " + number(30 / frames, 2) + " times as long"
-    return [f"A display of 30 frames/s wants it in 33.3 ms. {reach}: {number(frames, 2)} frames/s."]
+    reach = "reaches" if frames >= 30 else "does not reach"
+    return [f"A display of 30 frames/s needs a frame every 33.3 ms. Lampyris {reach} this on a CPU driver: "
+            f"a frame takes {number(30 / frames, 2)} times as long ({number(frames, 2)} frames/s)."]

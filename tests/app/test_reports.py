@@ -127,13 +127,13 @@ def is_leader(f, name, names):
 
 
 def are_biased(f, text):
-    found = {f.label(name): value for name, value in re.findall(NAME + f" by {NUMBER}(?=,| and|$)", text)}
+    found = {f.label(name): value for name, value in re.findall(NAME + rf" \(relMSE {NUMBER}\)", text)}
     return set(found) == set(f.biased()) and all(same(v, f.curves[x]["bias"]["value"]) for x, v in found.items())
 
 
-def errors_are(f, names, words, first, *_):
-    test = {"less error than": lambda a, b: above(b, a), "more error than": above,
-            "an error not told apart from that of": lambda a, b: not above(a, b) and not above(b, a)}[words]
+def errors_are(f, names, words, first):
+    test = {"less": lambda a, b: above(b, a), "more": above,
+            "no": lambda a, b: not above(a, b) and not above(b, a)}[words]
     first = f.label(first)
     return set(f.listed(names)) == {x for x in f.others(first) if test(f.error(x), f.error(first))}
 
@@ -143,15 +143,15 @@ def are_slow(f, names, *_):
 
 
 def times_are(f, text):
-    found = dict(re.findall(rf"{NUMBER} \[[^]]*\] times the processor time with `([^`]+)`", text))
+    found = dict(re.findall(rf"{NUMBER} \[[^]]*\] with `([^`]+)`", text))
     said = {f"split-lobes={name}": n for n, name in found.items()}
     return set(said) == set(f.processor) and all(same(n, f.processor[x]["value"]) for x, n in said.items())
 
 
-def prices_are(f, names, words, first, *_):
+def prices_are(f, names, words, first):
     """Checks error times processor time relative to the first curve, in units of the standard deviations of
     both logarithms."""
-    first, sign = f.label(first), {"a gain": -1, "a loss": 1, "not told apart": 0}[words]
+    first, sign = f.label(first), {"less": -1, "more": 1, "no": 0}[words]
 
     def spread(interval):
         return math.log(interval["ci_high"] / interval["ci_low"]) ** 2
@@ -166,58 +166,64 @@ def prices_are(f, names, words, first, *_):
 
 # Each claim has a pattern and a function that tests it; the pattern's groups are the arguments.
 CLAIMS = [
-    (rf"{NAME} is the most efficient, {NUMBER} \[.*\] times {NAME}, the next\.", is_winner),
-    (rf"{NAME} has the highest efficiency, not told apart from {LIST}\.", is_leader),
-    (r"Light sampling combined with BSDF sampling is the most efficient: .* times light sampling alone, "
-     r".* times BSDF sampling alone\.",
+    (rf"{NAME} is the most efficient, {NUMBER} \[.*\] times as efficient as {NAME}, the next\.", is_winner),
+    (rf"{NAME} has the highest efficiency; no difference of efficiency from {LIST} was found\.", is_leader),
+    (r"Light sampling combined with BSDF sampling is the most efficient: .* times as efficient as light sampling alone, "
+     r"and .* times as efficient as BSDF sampling alone\.",
      lambda f: all(f.better("nee=on mis=power", x) > 0 for x in f.others("nee=on mis=power"))),
-    (r"Other directions rarely meet the lamps in the mirror's\.",
+    (r"Directions chosen otherwise rarely reach the lamps by the narrow specular lobe\.",
      lambda f: all(f.better("directions=bsdf", x) > 0 for x in f.others("directions=bsdf"))),
-    (rf"The error of {LIST} falls more slowly than with 1 / samples(: few samples carry it|, as fireflies make it)\.",
-     are_slow),
+    (rf"The error of {LIST} falls more slowly than 1 / samples, because few samples contribute most of it\.", are_slow),
     (r"No bias was found in (any of them|either)\.", lambda f, *_: not f.biased()),
-    (r"Biased, which no number of samples mends: (.*)\.", are_biased),
-    (rf"{NAME} is the least efficient(, for the strongest lamp is the farthest)?\.",
+    (r"More samples do not reduce the bias of (.*)\.", are_biased),
+    (rf"{NAME} is the least efficient(, because the most powerful lamp is the farthest)?\.",
      lambda f, a, why: all(f.better(f.label(a), x) < 0 for x in f.others(f.label(a))) and
      (not why or f.label(a) == "light-choice=power")),
-    (rf"All lights take {NUMBER} times as long as one\.",
+    (rf"Sampling all lights takes {NUMBER} times as long as sampling one\.",
      lambda f, n: same(n, f.seconds("light-choice=all")["value"] / f.seconds("light-choice=uniform")["value"])),
-    (rf"{LIST} have less than half of the error of {NAME} at the same samples\.",
+    (rf"At the same number of samples, {LIST} have less than half of the error of {NAME}\.",
      lambda f, names, first: set(f.listed(names)) ==
      {x for x in f.labels if above(f.error(f.label(first)), f.error(x), 2)}),
-    (rf"The error of {LIST} falls faster with samples\.",
-     lambda f, names: set(f.listed(names)) ==
+    (rf"The error of {LIST} falls faster with the number of samples than that of {NAME}\.",
+     lambda f, names, first: f.label(first) == f.labels[0] and set(f.listed(names)) ==
      {x for x in f.labels if f.slope(x)["ci_high"] < f.slope(f.labels[0])["ci_low"]}),
-    (rf"{LIST} and {NAME} are not told apart\.",
+    (rf"No difference of efficiency was found between {LIST} and {NAME}\.",
      lambda f, names, first: set(f.listed(names)) ==
      {x for x in f.others(f.label(first)) if f.better(x, f.label(first)) == 0}),
-    (rf"More time than {NAME} is taken by {LIST}\.",
-     lambda f, first, names: set(f.listed(names)) ==
+    (rf"{LIST} takes? more time than {NAME}\.",
+     lambda f, names, first: set(f.listed(names)) ==
      {x for x in f.labels if above(f.seconds(x), f.seconds(f.label(first)))}),
-    (rf"None takes more time than {NAME}, as far as the intervals tell\.",
+    (rf"No sampler takes significantly more time than {NAME}\.",
      lambda f, first: not any(above(f.seconds(x), f.seconds(f.label(first))) for x in f.labels)),
-    (rf"(Not told apart|Without jitter|With jitter): the grid has {NUMBER} \[.*\] of the efficiency\.",
+    (rf"(No difference was found|Strata with jitter are more efficient|Strata without jitter are more efficient): "
+     rf"the grid is {NUMBER} \[.*\] times as efficient as jittered strata\.",
      lambda f, words, n: f.better("sampler=grid", "sampler=stratified") ==
-     {"N": 0, "t": 1}.get(words[0] if words[0] == "N" else words[4], -1) and
+     (0 if words.startswith("No") else 1 if "without" in words else -1) and
      same(n, f.ratios["sampler=grid", "sampler=stratified"][0])),
-    (rf"That of the grid is below {NUMBER}\.",
+    (rf"The bias of the grid is below a relMSE of {NUMBER}\.",
      lambda f, n: not f.curves["sampler=grid"]["biased"] and
      same(n, f.curves["sampler=grid"]["bias"]["ci_high"])),
-    (rf"{LIST} (?:has|have) (less error than|more error than|an error not told apart from that of) {NAME} "
-     r"at the same samples\.", errors_are),
-    (r"A sample takes (.*)\.", times_are),
-    (rf"For the same processor time, {LIST} (?:is|are) (a gain|a loss|not told apart) against {NAME}\.", prices_are),
-    (rf"The least error is that of {NAME}: {NUMBER} \[.*\], that of {NAME} {NUMBER} \[.*\]\.",
+    (rf"At the same number of samples, {LIST} (?:has|have) (less|more) error than {NAME}\.", errors_are),
+    (rf"At the same number of samples, no difference of error between {LIST} and {NAME} was found\.",
+     lambda f, names, first: errors_are(f, names, "no", first)),
+    (rf"The processor time of a sample, relative to {NAME}, is (.*)\.",
+     lambda f, first, text: f.label(first) == f.labels[0] and times_are(f, text)),
+    (rf"At the same processor time, {LIST} (?:has|have) (less|more) error than {NAME}\.", prices_are),
+    (rf"At the same processor time, no difference of error between {LIST} and {NAME} was found\.",
+     lambda f, names, first: prices_are(f, names, "no", first)),
+    (rf"{NAME} has the lowest error, {NUMBER} \[.*\]; the error of {NAME} is {NUMBER} \[.*\]\.",
      lambda f, a, n, b, m: f.error(f.label(a))["value"] == min(f.error(x)["value"] for x in f.labels) and
      same(n, f.error(f.label(a))["value"]) and same(m, f.error(f.label(b))["value"])),
-    (r"Diffuse light from other surfaces and caustics: a bias of .*, which no number of samples removes\.",
+    (r"Whitted's model leaves out diffuse light from other surfaces and caustics: a bias of .* relMSE, which more samples do "
+     r"not reduce\.",
      lambda f: "integrator=whitted" in f.biased()),
-    (r"What it leaves out was not found as bias\.", lambda f: "integrator=whitted" not in f.biased()),
-    (r"It (takes more time|saves time|saves no time that is told apart): .* seconds\.",
-     lambda f, words: {"takes more time": 1, "saves time": -1}.get(words, 0) ==
+    (r"No bias was found in Whitted's model\.", lambda f: "integrator=whitted" not in f.biased()),
+    (r"(It takes more time than path tracing|It takes less time than path tracing|No difference of time was found): .* s "
+     r"instead of .* s\.",
+     lambda f, words: {"It takes more time than path tracing": 1, "It takes less time than path tracing": -1}.get(words, 0) ==
      above(f.seconds("integrator=whitted"), f.seconds("integrator=path")) -
      above(f.seconds("integrator=path"), f.seconds("integrator=whitted"))),
-    (r"Its error is the smaller one (?:at (.*) samples a pixel only|nowhere)\.",
+    (r"It has the lower error (?:only at (.*) samples per pixel|at no number of samples)\.",
      lambda f, counts: re.split(", | and ", counts or "") == [
          str(point["spp"]) for k, point in enumerate(f.curves["integrator=path"]["points"])
          if above(f.error("integrator=path", k), f.error("integrator=whitted", k))] or not counts),
@@ -288,7 +294,7 @@ class Reports(unittest.TestCase):
             biased = [row for row in rows if row[-1].endswith(": biased")]
             if re.search("No bias was found in (either|any)", words):
                 self.assertEqual(biased, [], section)
-            if re.search("biase[ds]|a bias of", words):
+            if re.search("biased|a bias of|the bias of `", words):
                 self.assertNotEqual(biased, [], section)
             for row in biased:
                 self.assertRegex(words, "[Bb]ias", section)
@@ -298,8 +304,8 @@ class Reports(unittest.TestCase):
                 verdicts = {row[0].partition("=")[2]: row[4] for row in rows}
                 self.assertIn(verdicts.pop(best[1]), ("", "faster"), section)
                 self.assertNotEqual(set(verdicts.values()), {"faster"}, section)
-            if words.startswith("Not told apart"):
-                self.assertEqual({row[4] for row in rows[1:]}, {"not told apart"}, section)
+            if words.startswith("No difference was found"):
+                self.assertEqual({row[4] for row in rows[1:]}, {"no difference was found"}, section)
             # An interval contains its value.
             for value, low, high in re.findall(r"([\d.e-]+) \[([\d.e-]+), ([\d.e-]+)\]", words):
                 self.assertLessEqual(float(low), float(value), section)
@@ -329,9 +335,9 @@ class Reports(unittest.TestCase):
             said = " ".join(answers.depths(results))
             with self.subTest(figures=what, said=said):
                 bounded = [x for x in figures.biased() if x.startswith("max-bounces")]
-                self.assertEqual("A maximum depth biases" in said, bool(bounded))
+                self.assertEqual("A maximum depth makes the image biased" in said, bool(bounded))
                 self.assertEqual("No bias was found at any maximum depth" in said, not bounded)
-                best = re.match(r"Roulette is best begun at (\d+) bounces", said)[1]
+                best = re.match(r"The efficiency is highest if roulette begins at bounce (\d+)\.", said)[1]
                 best = figures.curves[f"roulette-min-bounces={best}"]
                 self.assertEqual(best["efficiency"]["value"], max(
                     c["efficiency"]["value"] for x, c in figures.curves.items() if x.startswith("roulette")))
@@ -343,12 +349,14 @@ class Reports(unittest.TestCase):
         # says so.
         results = reproduce.load("bvh")
         for turn in range(3):
-            said = answers.bvh(results)[0]
+            said = " ".join(answers.bvh(results))
             for variant in results["variants"][1:]:
                 ratio = variant["frame"]["speed_ratio"]
-                word = ("faster" if ratio["ci_low"] > 1 else "slower" if ratio["ci_high"] < 1 else "not told apart")
-                self.assertIn(f"`{variant['label'].partition('=')[2]}` is {word}, "
-                              f"{answers.span(ratio)} times the speed", said)
+                word = "faster" if ratio["ci_low"] > 1 else "slower" if ratio["ci_high"] < 1 else None
+                name = variant["label"].partition("=")[2]
+                verdict = (f"`{name}` is {word} than `middle`" if word else
+                           f"No difference of speed was found between `{name}` and `middle`")
+                self.assertIn(f"{verdict}: {answers.span(ratio)} times the speed.", said)
             results = exchanged(results) if turn == 0 else results
             for variant in results["variants"][1:] if turn == 1 else []:
                 variant["frame"].update(speed_ratio={"value": 1, "ci_low": 0.9, "ci_high": 1.1},
@@ -369,15 +377,15 @@ class Reports(unittest.TestCase):
 
     def test_a_grid_that_is_told_worse_and_biased(self):
         results = reproduce.load("strata")
-        self.assertIn("Not told apart", reproduce.answer("strata", results))
+        self.assertIn("No difference was found", reproduce.answer("strata", results))
         grid = results["curves"][1]
         grid["biased"], grid["bias"] = True, {"value": 0.5, "ci_low": 0.4, "ci_high": 0.6}
         results["pairs"][0]["efficiency_ratio"] = {"value": 0.3, "ci_low": 0.2, "ci_high": 0.4}
         said = reproduce.answer("strata", results)
-        self.assertEqual(said, "With jitter: the grid has 0.3 [0.2, 0.4] of the efficiency. Biased, "
-                               "which no number of samples mends: `grid` by 0.5.")
+        self.assertEqual(said, "Strata with jitter are more efficient: the grid is 0.3 [0.2, 0.4] times as efficient "
+                               "as jittered strata. More samples do not reduce the bias of `grid` (relMSE 0.5).")
         results["pairs"][0]["efficiency_ratio"] = {"value": 3, "ci_low": 2, "ci_high": 4}
-        self.assertIn("Without jitter", reproduce.answer("strata", results))
+        self.assertIn("Strata without jitter are more efficient", reproduce.answer("strata", results))
 
     def test_reports_say_where_they_are_and_need_no_network(self):
         with tempfile.TemporaryDirectory() as folder:
