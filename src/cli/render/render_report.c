@@ -61,7 +61,7 @@ static void print_error(const struct render_run *run)
         printf("error     not yet known: %s\n", e->reason);
     else
         printf("error     %s, in %.3f s%s%s\n", words, run->job.seconds.render,
-               e->known ? " (blind to bias)" : ": ", e->known ? "" : e->reason);
+               e->known ? " (bias not included)" : ": ", e->known ? "" : e->reason);
 }
 
 static void print_against(const struct render_run *run)

@@ -199,7 +199,7 @@ static void print_side(const struct viewer *viewer, uint32_t index)
     film_error_words(error, words);
     if (error->known || error->bounded || film_error_is_plain(error))
         printf("; at %.0f spp %s%s%s\n", look.samples, words,
-               error->known ? " (blind to bias)" : ": ", error->known ? "" : error->reason);
+               error->known ? " (bias not included)" : ": ", error->known ? "" : error->reason);
     else
         printf("; the error is not known: %s\n", error->reason);
     bool splits = view->job.renderer.specialization.split_lobes > 0;
