@@ -76,9 +76,10 @@ static void print_against(const struct render_run *run)
     printf(": local relMSE %.3g, relMSE %.3g, MSE %.3g, SMAPE %.3g, PSNR %.2f dB",
            against->local_relmse, against->relmse, against->mse, against->smape, against->psnr);
     if (reference->noise_known)
-        printf(" (its own noise subtracted: local relMSE %.2g)\n", reference->local_relmse);
+        printf(" (after the noise of the reference, local relMSE %.2g, was subtracted)\n",
+               reference->local_relmse);
     else
-        printf(" (its own noise not subtracted: %s)\n", reference->reason);
+        printf(" (the noise of the reference was not subtracted: %s)\n", reference->reason);
     if (run->job.bias.is_certain)
         printf(
             "stays     local relMSE %.3g, 95 %% interval %.3g to %.3g, however many samples: %s\n",
