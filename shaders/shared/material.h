@@ -22,7 +22,7 @@
 // The clearcoat is GGX with clearcoat_roughness and full strength (glTF), not GTR1 with
 // clearcoat_gloss and a quarter of the strength (Burley).
 #define MATERIAL_COAT_GGX (1u << 7)
-#define MATERIAL_UNLIT (1u << 8) // emission is a colour to show, not light, and is never sampled
+#define MATERIAL_UNLIT (1u << 8) // emits to rays that hit it; no shadow rays are sent to it
 // Reflection is compensated for the energy of multiple scattering.
 #define MATERIAL_COMPENSATE (1u << 9)
 // Smith's masking-shadowing is separable instead of height-correlated.

@@ -6,7 +6,7 @@
 #include "scene/core/scene.h"
 
 // Computes the mean radiance of a material's surfaces, including the textures that scale its
-// emission. 0 for unlit materials, which are displayed but do not light the scene.
+// emission. Returns 0 for unlit materials, to which no shadow rays are sent.
 void mean_emission(const struct scene *scene, const struct material *material, float out[3]);
 // Returns the luminance of mean_emission().
 double mean_radiance(const struct scene *scene, const struct material *material);

@@ -88,8 +88,8 @@ double material_phong_roughness(double exponent);
 // Returns whether the material's surfaces bound a medium: it transmits light, refracted or not, and
 // is not thin-walled.
 bool material_has_inside(const struct material *material);
-// Returns whether the material may emit light that can be sampled or hit. Unlit materials are
-// displayed but do not light the scene.
+// Returns whether the material may emit light to rays that hit it. Unlit materials may, too, but no
+// shadow rays are sent to them.
 bool material_emits(const struct material *material);
 
 // Texels in memory, decoded to linear RGBA: four halves or four floats.

@@ -141,7 +141,7 @@ static void flags(struct gui *gui, struct material *to)
     flag(gui, "material.alpha", "Alpha", "Meaning of opacity: none, a mask, or a probability.", to);
     gui_enabled(gui, !is_black(to->emission));
     flag(gui, "material.unlit", "Unlit",
-         "The emission is only displayed as a colour, and lights nothing.", to);
+         "Rays that hit the surface get its emission, but no shadow rays are sent to it.", to);
     gui_enabled(gui, is_through);
     flag(gui, "material.thin", "Thin", "The surface is a thin sheet, without a medium inside.", to);
     gui_enabled(gui, is_principled && to->transmission > 0);
