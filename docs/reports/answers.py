@@ -104,7 +104,7 @@ def winner(curves, labels, name=name_of):
     if best is None:
         first, alike = curves.top(labels)
         others = [name(label) for label in alike if label != first]
-        return f"{name(first)} has the highest efficiency; no difference of efficiency from {listed(others)} was found."
+        return f"{name(first)} has the highest efficiency. No significant difference from it was found for {listed(others)}."
     second = max((label for label in labels if label != best),
                  key=lambda label: curves[label]["efficiency"]["value"])
     return (f"{name(best)} is the most efficient, {span(curves.ratio(best, second))} times "
@@ -132,7 +132,7 @@ def compared(curves, first, others):
 def difference(found, sign, first, condition):
     """Says that these curves have less (sign -1), more (1) or about as much (0) error as the first one."""
     if sign == 0:
-        return f"At the same {condition}, no difference of error between {listed(found)} and {first} was found."
+        return f"At the same {condition}, no difference of error from {first} was found for {listed(found)}."
     return (f"At the same {condition}, {listed(found)} {'has' if len(found) == 1 else 'have'} "
             f"{'less' if sign < 0 else 'more'} error than {first}.")
 
@@ -253,7 +253,7 @@ def samplers(results):
     if steeper:
         said.append(f"The error of {listed(steeper)} falls faster with the number of samples than that of {name}.")
     if alike:
-        said.append(f"No difference of efficiency was found between {listed(alike)} and {name}.")
+        said.append(f"No difference of efficiency from {name} was found for {listed(alike)}.")
     said.append(f"{listed(slower)} {'takes' if len(slower) == 1 else 'take'} more time than {name}." if slower else
                 f"No sampler takes significantly more time than {name}.")
     said.append(winner(curves, [first, *others]))
@@ -319,7 +319,7 @@ def samples(results):
         spp, ratio = float(value_of(variant["label"])), variant["frame"]["speed_ratio"]
         (fits if ratio["ci_low"] <= 1 / spp <= ratio["ci_high"] else other).append(variant)
     if not other:
-        return ["No deviation from a time proportional to the number of samples was found."]
+        return ["The time is proportional to the number of samples: all intervals of the speed contain 1 / samples."]
     return ["The time is not proportional to the number of samples: " + listed(
         f"{v['label']} has {span(v['frame']['speed_ratio'])} of the speed" for v in other) + "."]
 

@@ -167,7 +167,7 @@ def prices_are(f, names, words, first):
 # Each claim has a pattern and a function that tests it; the pattern's groups are the arguments.
 CLAIMS = [
     (rf"{NAME} is the most efficient, {NUMBER} \[.*\] times as efficient as {NAME}, the next\.", is_winner),
-    (rf"{NAME} has the highest efficiency; no difference of efficiency from {LIST} was found\.", is_leader),
+    (rf"{NAME} has the highest efficiency\. No significant difference from it was found for {LIST}\.", is_leader),
     (r"Light sampling combined with BSDF sampling is the most efficient: .* times as efficient as light sampling alone, "
      r"and .* times as efficient as BSDF sampling alone\.",
      lambda f: all(f.better("nee=on mis=power", x) > 0 for x in f.others("nee=on mis=power"))),
@@ -187,8 +187,8 @@ CLAIMS = [
     (rf"The error of {LIST} falls faster with the number of samples than that of {NAME}\.",
      lambda f, names, first: f.label(first) == f.labels[0] and set(f.listed(names)) ==
      {x for x in f.labels if f.slope(x)["ci_high"] < f.slope(f.labels[0])["ci_low"]}),
-    (rf"No difference of efficiency was found between {LIST} and {NAME}\.",
-     lambda f, names, first: set(f.listed(names)) ==
+    (rf"No difference of efficiency from {NAME} was found for {LIST}\.",
+     lambda f, first, names: set(f.listed(names)) ==
      {x for x in f.others(f.label(first)) if f.better(x, f.label(first)) == 0}),
     (rf"{LIST} takes? more time than {NAME}\.",
      lambda f, names, first: set(f.listed(names)) ==
@@ -204,13 +204,13 @@ CLAIMS = [
      lambda f, n: not f.curves["sampler=grid"]["biased"] and
      same(n, f.curves["sampler=grid"]["bias"]["ci_high"])),
     (rf"At the same number of samples, {LIST} (?:has|have) (less|more) error than {NAME}\.", errors_are),
-    (rf"At the same number of samples, no difference of error between {LIST} and {NAME} was found\.",
-     lambda f, names, first: errors_are(f, names, "no", first)),
+    (rf"At the same number of samples, no difference of error from {NAME} was found for {LIST}\.",
+     lambda f, first, names: errors_are(f, names, "no", first)),
     (rf"The processor time of a sample, relative to {NAME}, is (.*)\.",
      lambda f, first, text: f.label(first) == f.labels[0] and times_are(f, text)),
     (rf"At the same processor time, {LIST} (?:has|have) (less|more) error than {NAME}\.", prices_are),
-    (rf"At the same processor time, no difference of error between {LIST} and {NAME} was found\.",
-     lambda f, names, first: prices_are(f, names, "no", first)),
+    (rf"At the same processor time, no difference of error from {NAME} was found for {LIST}\.",
+     lambda f, first, names: prices_are(f, names, "no", first)),
     (rf"{NAME} has the lowest error, {NUMBER} \[.*\]; the error of {NAME} is {NUMBER} \[.*\]\.",
      lambda f, a, n, b, m: f.error(f.label(a))["value"] == min(f.error(x)["value"] for x in f.labels) and
      same(n, f.error(f.label(a))["value"]) and same(m, f.error(f.label(b))["value"])),
