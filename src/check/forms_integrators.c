@@ -3,9 +3,6 @@
 #include "check/closed_form.h"
 #include <math.h>
 
-// A first seed for these forms that differs from the seeds of all other closed forms.
-#define FIRST_SEED 200000u
-
 static double radians(double degrees)
 {
     return degrees * M_PI / 180.0;

@@ -6,9 +6,6 @@
 
 #include <complex.h>
 
-// A first seed for these forms that differs from the seeds of all other closed forms.
-#define FIRST_SEED 100000u
-
 // --- the forms ----------------------------------------------------------------------------------
 
 static double radians(double degrees)

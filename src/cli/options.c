@@ -136,6 +136,7 @@ static bool parse_argument(struct parser *parser, const char *text, struct err *
                        options->command ? options->command->arguments : "COMMAND");
     if (!options->command) {
         options->command = command_find(text, err);
+        options->command_index = parser->next - 1;
         return options->command != NULL;
     }
     if (options->argument_count >= options->command->max_arguments)

@@ -336,6 +336,7 @@ struct options {
     int argc; // as passed to main, for commands that reproduce a run
     char **argv;
     const struct command *command; // NULL only with --help or --version
+    int command_index;             // of the command's name in argv
     const char **arguments; // SCENE …; IMAGE and REFERENCE; PART …; or COMMAND of help; ends with
                             // NULL
     uint32_t argument_count;

@@ -14,7 +14,6 @@
 
 struct lampyris_context {
     struct gpu gpu;
-    struct gpu_params gpu_params;
     char *device;     // owns params.device; may be NULL
     bool is_open;     // the device is open
     uint32_t refs;    // one for the caller, and one for each scene, render and picture

@@ -15,13 +15,9 @@ int cmd_view(const struct options *options)
 {
     char program[PATH_MAX];
     sibling_find(PROGRAM, IN_BUILD_FOLDER, program, sizeof program);
-    char **argv = options->argv;
-    for (int i = 1; i < options->argc; i++)
-        if (strcmp(argv[i], "view") == 0) {
-            memmove(&argv[i], &argv[i + 1], (size_t)(options->argc - i) * sizeof *argv);
-            break;
-        }
-    process_become(program, argv);
+    char **name = &options->argv[options->command_index];
+    memmove(name, name + 1, (size_t)(options->argc - options->command_index) * sizeof *name);
+    process_become(program, options->argv);
     struct err err;
     err_set(&err, ERR_SYSTEM,
             "%s: cannot be run: %s; the viewer is only built if GLFW and Dear ImGui are "

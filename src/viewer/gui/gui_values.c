@@ -65,15 +65,31 @@ void value_show(double value, const struct gui_range *range, int digits, char *o
         snprintf(out + length, GUI_VALUE_MAX - (size_t)length, " %s", range->unit);
 }
 
+// Prints a decimal number that is the value, with no more digits than necessary. A value that is a
+// float is compared as a float: 0.01f is printed as 0.01, although the double differs.
+static const char *shortest(double value, char out[32])
+{
+    enum { DIGITS_MIN = 7, DIGITS_MAX = 17 }; // a float has 7 digits; 17 identify every double
+    const bool is_float = value == (double)(float)value;
+    for (int digits = DIGITS_MIN; digits <= DIGITS_MAX; digits++) {
+        snprintf(out, 32, "%.*g", digits, value);
+        const double read = strtod(out, NULL);
+        if (read == value || (is_float && (float)read == (float)value))
+            break;
+    }
+    return out;
+}
+
 void gui_item_help(const struct gui_item *item, char out[GUI_HELP_MAX])
 {
+    char least[32], greatest[32];
     const char *help = item->help ? item->help : "";
     bool has_range = item->range[0] < item->range[1] && isfinite(item->range[1]);
     if (has_range && item->range[1] >= (double)FLT_MAX)
-        snprintf(out, GUI_HELP_MAX, "%s From %.10g on.", help, item->range[0]);
+        snprintf(out, GUI_HELP_MAX, "%s From %s on.", help, shortest(item->range[0], least));
     else if (has_range)
-        snprintf(out, GUI_HELP_MAX, "%s From %.10g to %.10g.", help, item->range[0],
-                 item->range[1]);
+        snprintf(out, GUI_HELP_MAX, "%s From %s to %s.", help, shortest(item->range[0], least),
+                 shortest(item->range[1], greatest));
     else
         snprintf(out, GUI_HELP_MAX, "%s", help);
 }
