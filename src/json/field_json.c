@@ -50,7 +50,7 @@ static bool read_count(const struct field *field, const struct json_node *node, 
     return true;
 }
 
-// Reads a number. is_exact: the node belongs to the exact key, whose unit applies.
+// Reads a number. If is_exact, the node belongs to the exact key, whose unit applies.
 static bool read_real(const struct field *field, const struct json_node *node, bool is_exact,
                       void *object, struct err *err)
 {

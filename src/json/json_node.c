@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The macro of json_node.h would replace the name in the function's definition below.
+// The macros of json_node.h would replace the names in the definitions below.
 #undef node_fail
 #undef node_prepend
 #undef node_unexpected
@@ -64,7 +64,7 @@ static void write_path(const struct json_node *node, char *text, size_t capacity
         append(text, capacity, "[%zu]", node->index);
 }
 
-// Writes the same as a JSON pointer, "/shapes/3/transform/0/scale".
+// Writes the path as a JSON pointer, such as "/shapes/3/transform/0/scale".
 static void write_pointer(const struct json_node *node, char *text, size_t capacity)
 {
     if (!node->parent)

@@ -25,15 +25,15 @@ struct json_node node_root(const char *file, json_t *value);
 struct json_node node_member(const struct json_node *object, const char *key);
 struct json_node node_element(const struct json_node *array, size_t index);
 
-// Sets ERR_INPUT, "FILE: PATH: MESSAGE", with the file and the place, and returns false.
-// node_prepend puts FILE and PATH before an existing message.
+// Sets ERR_INPUT with the message "FILE: PATH: MESSAGE" and the node's place, and returns false.
+// node_prepend() puts FILE and PATH before an existing message.
 bool node_fail(const struct json_node *node, struct err *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 bool node_prepend(const struct json_node *node, struct err *err);
 // Fails with "expected WHAT, not VALUE".
 bool node_unexpected(const struct json_node *node, const char *what, struct err *err);
 
-// Shows analysers that the value is always false; see err_false().
+// Show static analysers that the result is always false (see err_false()).
 #define node_fail(...) (node_fail(__VA_ARGS__), err_false())
 #define node_prepend(...) (node_prepend(__VA_ARGS__), err_false())
 #define node_unexpected(...) (node_unexpected(__VA_ARGS__), err_false())
@@ -60,8 +60,8 @@ struct range {
     bool open; // the range excludes its bounds
 };
 
-// Read a number in the range. node_number takes the number itself, the others the object that has
-// it under a key.
+// Read a value of a type, and check its range. node_number() takes the number itself, the others an
+// object and a key.
 bool node_number(const struct json_node *node, struct range range, double *out, struct err *err);
 bool node_read_number(const struct json_node *object, const char *key, struct range range,
                       double *out, struct err *err);
@@ -75,7 +75,8 @@ bool node_read_vector(const struct json_node *object, const char *key, struct ra
                       double out[3], struct err *err);
 bool node_read_color(const struct json_node *object, const char *key, struct range range,
                      float out[3], struct err *err);
-// Read the index of a string in `names`, which ends with NULL. node_choice takes the string itself.
+// Read the index of a string in `names`, which ends with NULL. node_choice() takes the string
+// itself.
 bool node_choice(const struct json_node *node, const char *const *names, uint32_t *out,
                  struct err *err);
 bool node_read_choice(const struct json_node *object, const char *key, const char *const *names,
@@ -93,7 +94,7 @@ bool node_read_pair(const struct json_node *object, const char *key, struct rang
 // only.
 bool node_check_name(const struct json_node *node, const char *name, struct err *err);
 
-// Makes "; did you mean KEY?" if a key of the object is similar to the word, else "; known: A, B,
+// Returns "; did you mean KEY?" if a key of the object is similar to the word, else "; known: A, B,
 // C".
 struct node_hint {
     char text[160];

@@ -21,7 +21,7 @@ void json_deallocate(void *data);
 bool json_lost_memory(void);
 
 // Parses a document. Returns it, or NULL with *err set: ERR_INPUT with file, line and column for a
-// syntax error, or an error of memory.
+// syntax error, or an out-of-memory error.
 json_t *json_parse(const char *path, const struct file_bytes *text, size_t flags, struct err *err);
 
 // Frees the result of json_dumps(). Accepts NULL.

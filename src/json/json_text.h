@@ -28,7 +28,7 @@ bool json_text_begin(struct json_text *out, uint32_t indent, struct err *err);
 // Returns the finished text, which the caller frees; NULL on failure.
 char *json_text_end(struct json_text *t);
 
-// Opens an object ('{') or an array ('['). in_line: all of it is written on one line.
+// Opens an object ('{') or an array ('['). If in_line, the whole is written on one line.
 void json_text_open(struct json_text *t, char bracket, bool in_line);
 void json_text_close(struct json_text *t);
 void json_text_key(struct json_text *t, const char *key); // its value must follow
