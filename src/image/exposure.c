@@ -4,15 +4,15 @@
 #include "base/maths.h"
 #include <math.h>
 
-// The histogram is of log2 of the luminance, so that it does not depend on the order of the pixels.
-// Its steps of 1/64 stop are not visible, and it covers the range of floats.
+// A histogram of log2 of the luminance, so that the result does not depend on the order of the
+// pixels. Its steps of 1/64 stop are not visible, and it covers the range of floats.
 #define STEPS 64
 #define STOPS_MIN (-150)
 #define STOPS_MAX 131 // the weighted sum of three floats is below 2^128
 #define BINS ((STOPS_MAX - STOPS_MIN) * STEPS)
 
-#define LEAVES_OUT 20 // one in this many pixels may be brighter
-#define WHITE 0.5     // fraction of the display's maximum; leaves one stop for glints
+#define LEAVES_OUT 20 // one in this many pixels may be brighter than WHITE
+#define WHITE 0.5     // fraction of the display's maximum; leaves one stop for highlights
 
 static uint64_t count_luminances(const struct image *image, uint64_t *bins)
 {

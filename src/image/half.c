@@ -15,8 +15,8 @@ uint16_t half_from_float(float value)
     float magnitude = fabsf(value);
     if (magnitude >= HALF_MAX)
         return (uint16_t)(sign | 0x7bff);
-    // Below 2^-14 halves are multiples of 2^-24, and that multiple is the encoding; it continues
-    // seamlessly with the first normal number.
+    // Below 2^-14 halves are multiples of 2^-24, and the multiple is the encoding. If rounding
+    // gives 2^-14, the encoding is that of the first normal number.
     if (magnitude < 0x1p-14f)
         return (uint16_t)(sign | (uint16_t)nearbyintf(magnitude * 0x1p24f));
     // Drops 13 bits of the fraction. Adding just under half a step before, and one more if the kept

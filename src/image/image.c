@@ -72,9 +72,9 @@ static enum format format_of_bytes(const uint8_t *data, size_t size, const char 
     return FORMAT_UNKNOWN;
 }
 
-// Reports a lack of memory that a library concealed: libpng omits texts, with a warning, and blames
-// the file for other failures. `failures` is memory_failures() before the library was called; `ok`
-// is whether the library succeeded.
+// Reports a lack of memory that a library concealed: libpng omits texts with a warning, or blames
+// the file. `failures` is memory_failures() before the library was called; `ok` is whether the
+// library succeeded.
 static bool had_memory(uint64_t failures, bool ok, const char *what, struct err *err)
 {
     bool is_told = !ok && err && err->code != ERR_INPUT && err->code != ERR_OUTPUT;
@@ -289,7 +289,7 @@ static bool decode(const struct image_source *source, struct arena *arena, struc
 {
     enum format format = format_of_bytes(source->data, source->size, source->path);
     if (source->layer && format != FORMAT_EXR && format != FORMAT_UNKNOWN)
-        return err_set(err, ERR_INPUT, "has no layer \"%s\": only EXR files have layers",
+        return err_set(err, ERR_INPUT, "has no layer \"%s\"; only EXR files have layers",
                        source->layer);
     switch (format) {
     case FORMAT_EXR:

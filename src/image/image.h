@@ -35,15 +35,15 @@ struct image_layer {
     enum image_layer_type type;
 };
 
-// The picture that an image is a window of, and the window's place in it.
+// The whole picture of which an image is a window, and the window's place in it.
 struct image_display {
     uint32_t width, height; // width 0: the image is the whole picture
-    uint32_t x, y;          // of the image's upper left pixel
+    uint32_t x, y;          // position of the image's upper left pixel
 };
 
 struct image_write_params {
-    const char *path; // its extension says the format: exr, png, jpg, jpeg, hdr or pfm, in any case
-    const struct image *image;        // EXR: pixels may be NULL; the file then has only layers
+    const char *path;          // its extension selects the format: exr, png, jpg, jpeg, hdr or pfm
+    const struct image *image; // EXR: pixels may be NULL; the file then has only layers
     const struct image_layer *layers; // EXR only
     uint32_t layer_count;
     const struct image_attribute *attributes;
@@ -59,12 +59,11 @@ struct image_write_params {
 };
 
 // Returns whether image_write() supports the path's extension. If not, fails with ERR_USAGE, naming
-// those that it supports.
+// the supported extensions.
 bool image_check_format(const char *path, struct err *err);
 // Returns whether the format of that name stores tone-mapped codes, as PNG and JPEG do.
 bool image_is_tone_mapped(const char *path);
-// Returns the most bytes per pixel that the image itself takes in a file of that name, without
-// compression.
+// Returns the uncompressed size in bytes of a pixel, without layers, in a file of this format.
 uint64_t image_pixel_bytes(const struct image_write_params *params);
 // Writes the file atomically (base/file.h). Fails with ERR_OUTPUT; an older file then stays intact.
 // The file is encoded in memory first, decoded again and compared bit for bit with the data that
@@ -119,9 +118,10 @@ struct image_texels {
     void *texels;
 };
 
-// Decodes an image with its alpha. Formats with at most 8 bits per component (PNG, JPEG, WebP, TGA)
-// are decoded to halves, whose step is at most 2^-11 in [0, 1], an eighth of a code's; all others
-// to floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores colours
+// Decodes an image with its alpha. Images with at most 8 bits per component (PNG, JPEG, WebP, TGA)
+// are decoded to halves, whose steps in [0, 1] are at most 2^-11, an eighth of the step of 8-bit
+// codes; all others to floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores
+// colours
 // multiplied by alpha (OpenEXR technical introduction, "Alpha"): they are divided by it, unless
 // alpha is 0.
 bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
@@ -134,7 +134,7 @@ bool image_has_encoding(const void *data, size_t size, const char *path);
 // of a PNG. *out is allocated in the arena.
 bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
                            uint32_t *count, struct err *err);
-// Reads them from the bytes of a file, whose name is for messages.
+// Reads the attributes from the bytes of a file. `path` names the file in messages.
 bool image_decode_attributes(const void *data, size_t size, const char *path, struct arena *arena,
                              struct image_attribute **out, uint32_t *count, struct err *err);
 
@@ -152,7 +152,7 @@ void image_tone_map(enum tone_curve tone, float exposure_stops, const float rgb[
 // Returns an exposure for an image, in stops, metered for the highlights. Let L be the luminance
 // (ITU-R BT.709) that is exceeded by only a twentieth of the pixels with light. The exposure is
 // log2(0.5 / L), so that the brightest large region is displayed one stop below 1, which leaves
-// room for glints; visible lamps and fireflies have no influence. (dcraw's automatic brightness
+// room for highlights; visible lamps and fireflies have no influence. (dcraw's automatic brightness
 // does the same with one hundredth of the pixels and the white of the file.) Metering for a mean
 // would make both a white and a black object grey. L is rounded up to 1/64 stop. Returns 0 for an
 // image without light.

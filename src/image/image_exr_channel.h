@@ -29,7 +29,8 @@ static inline exr_compression_t exr_compression_of(const struct image_write_para
     return params->uncompressed ? EXR_COMPRESSION_NONE : EXR_COMPRESSION_ZIP;
 }
 
-// The windows of "OpenEXR Technical Introduction": the image is the data window; both ends count.
+// The windows of "OpenEXR Technical Introduction": the image is the data window. Both ends are
+// included.
 struct exr_windows {
     exr_attr_box2i_t display, data;
 };

@@ -94,7 +94,7 @@ static bool find_three(const exr_attr_chlist_t *list, const char *layer,
 }
 
 // Finds the three colour channels: R, G and B; or X, Y and Z; or one channel for all three, Y or
-// the one with this full name.
+// the one whose full name is `layer`.
 static bool find_colors(const exr_attr_chlist_t *list, const char *layer, int channels[COLORS])
 {
     static const char *const colors[] = {"R", "G", "B"}, *const axes[] = {"X", "Y", "Z"};

@@ -132,8 +132,8 @@ static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, 
     return true;
 }
 
-// Compresses a block, and stores the pixels instead if the compressed block has the same length:
-// readers take such a block for uncompressed, but OpenEXRCore 3.1.5 stores the pixels only if
+// Compresses a block, and stores the pixels instead if the compressed block is not shorter. Readers
+// take a block of the full length for uncompressed, but OpenEXRCore 3.1.5 stores the pixels only if
 // compression made them longer (OpenEXR issue 2306).
 static exr_result_t compress_or_copy(exr_encode_pipeline_t *encoder)
 {
@@ -151,7 +151,7 @@ static exr_result_t choose_routines(struct exr_writer *writer)
     exr_encode_pipeline_t *encoder = &writer->encoder;
     exr_result_t result = exr_encoding_choose_default_routines(writer->context, 0, encoder);
     writer->compress = encoder->compress_fn;
-    if (writer->compress) // without compression the library's function stays
+    if (writer->compress) // NULL without compression
         encoder->compress_fn = compress_or_copy;
     encoder->encoding_user_data = writer;
     return result;
@@ -224,7 +224,7 @@ bool image_exr_write(const struct image_write_params *params, struct byte_buffer
     ok = ok && check(&writer, result, err);
     free(writer.halves);
     if (ok && writer.saturated > 0)
-        log_warn("%s: %llu values past %g do not fit half precision and were clamped to it",
+        log_warn("%s: %llu values exceed %g, the half-precision maximum, and were clamped",
                  params->path, (unsigned long long)writer.saturated, (double)HALF_MAX);
     return ok;
 }

@@ -109,7 +109,7 @@ static void put_row(struct hdr_writer *writer, const uint8_t (*row)[4], size_t w
         put_component(writer, row, width, component);
 }
 
-// Lines of the header are text; those that begin with # are comments.
+// Writes the header. Metadata are comments, which begin with #.
 static void put_header(struct hdr_writer *writer, const struct image_write_params *params)
 {
     static const char begin[] = "#?RADIANCE\n";
@@ -157,7 +157,7 @@ bool image_hdr_write(const struct image_write_params *params, const uint8_t (*co
 }
 
 // Decoding does not detect errors in comments, or in the mantissas of black pixels, because the
-// reader ignores both. Encoding a second time does.
+// reader ignores both. A second encoding detects them.
 static bool verify_bytes(const struct image_write_params *params, const uint8_t (*codes)[4],
                          const struct byte_buffer *file, struct err *err)
 {

@@ -1,6 +1,7 @@
-// Declarations that the files of this module share. Each format has a reader, and EXR and PNG have
-// a writer. They work in memory, so that decoders never access files, and a file is only replaced
-// by an image that has been decoded again and compared with the original.
+// Declarations that the files of this module share. Each format has a reader, a writer, and a
+// function that verifies written files. They work in memory, so that decoders never access files,
+// and a file is only replaced by an image that has been decoded again and compared with the
+// original.
 #ifndef LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 #define LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 
@@ -8,7 +9,7 @@
 #include <stddef.h>
 
 // --- byte_buffer.c ------------------------------------------------------------------------------
-// Grows as it is written to. {0} is a valid, empty buffer.
+// A buffer that grows as it is written to. {0} is a valid, empty buffer.
 struct byte_buffer {
     uint8_t *data;
     size_t size, capacity;
@@ -21,7 +22,7 @@ bool byte_buffer_write(struct byte_buffer *buffer, size_t offset, const void *da
 void byte_buffer_finish(struct byte_buffer *buffer);
 
 // --- pixels.c -----------------------------------------------------------------------------------
-// An encoded image in memory, how to decode it, and how much decoding may cost.
+// An encoded image in memory, and the parameters for decoding it.
 struct image_source {
     const char *path; // names the image in messages
     const uint8_t *data;
@@ -52,8 +53,8 @@ struct pixels_size {
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
                      struct arena *arena, struct pixels *out, struct err *err);
 
-// Must be called once per row. Fails with ERR_STOPPED if progress requests a stop, which it asks
-// only from time to time.
+// Must be called once per row, and polls for a stop only from time to time. Fails with ERR_STOPPED
+// if progress requests a stop.
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
 // The value of each 8-bit code: [0] for colours, [1] for alpha.
@@ -66,7 +67,7 @@ void code_table_fill(const struct image_source *source, struct code_table *table
 void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *codes,
                       unsigned components, const struct code_table *table);
 
-// Returns the components of the pixel with this index. Only for float pixels.
+// Returns the components of the pixel with this index. The pixels must be floats.
 static inline float *pixels_at(const struct pixels *pixels, uint64_t index)
 {
     return (float *)pixels->values + index * pixels->components;

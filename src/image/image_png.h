@@ -15,8 +15,8 @@ struct png_failure {
     bool out_of_memory;
 };
 
-// Callbacks for png_create_*_struct. An error is stored and then jumps; a warning is dropped.
-// (libpng would print both.)
+// Callbacks for png_create_*_struct. The message of an error is stored before the jump; a warning
+// is dropped. (libpng would print both.)
 void png_keep_error(png_structp png, png_const_charp message) __attribute__((noreturn));
 void png_drop_warning(png_structp png, png_const_charp message);
 // Callbacks that take libpng's memory from the budget of the process.

@@ -92,7 +92,7 @@ static void set_transformations(struct png_reader *reader)
 {
     bool has_alpha = (png_get_color_type(reader->png, reader->info) & PNG_COLOR_MASK_ALPHA) ||
                      png_get_valid(reader->png, reader->info, PNG_INFO_tRNS);
-    png_set_expand(reader->png); // palettes, less than 8 bits, transparent colours
+    png_set_expand(reader->png); // expands palettes, depths below 8 bits, transparent colours
     png_set_gray_to_rgb(reader->png);
     if (!reader->source->with_alpha)
         png_set_strip_alpha(reader->png);

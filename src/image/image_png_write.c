@@ -1,4 +1,5 @@
-// RGB PNG of 8 or 16 bits: tone-mapped, sRGB-encoded, with tEXt (ASCII) and iTXt (UTF-8) metadata.
+// Writes RGB PNG of 8 or 16 bits: tone-mapped, sRGB-encoded, with tEXt (ASCII) and iTXt (UTF-8)
+// metadata.
 #include "image/image_png.h"
 
 #include <stdlib.h>

@@ -41,7 +41,7 @@ bool pixels_allocate(const struct image_source *source, const struct pixels_size
 
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err)
 {
-    const uint64_t pixels = 1u << 20; // at least, between two polls: about 10 ms
+    const uint64_t pixels = 1u << 20; // number between two polls, about 10 ms
     uint64_t rows = width > 0 && width < pixels ? pixels / width : 1;
     return row % rows != 0 || !progress_should_stop(source->progress) ||
            err_set(err, ERR_STOPPED, "stopped while decoding");

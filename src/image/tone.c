@@ -5,8 +5,8 @@
 #include <float.h>
 #include <math.h>
 
-// Encodes sRGB: the inverse of image_srgb_to_linear() (IEC 61966-2-1, 5.2), with the segments
-// meeting where those of that function do.
+// Encodes sRGB (IEC 61966-2-1, 5.2), as the inverse of image_srgb_to_linear(). The linear segments
+// of both functions end at corresponding values.
 float image_srgb_from_linear(float linear)
 {
     if (linear <= 0.0031308f)
@@ -44,8 +44,9 @@ static void reinhard(double rgb[3])
         rgb[c] /= divisor;
 }
 
-// Narkowicz 2015, "ACES filmic tone mapping curve": a rational fit of the ACES reference rendering
-// and sRGB output transforms, applied to each channel. It tends to 2.51 / 2.43 and is clamped at 1.
+// Applies the curve of Narkowicz 2015, "ACES filmic tone mapping curve", a rational fit of the ACES
+// reference rendering and sRGB output transforms, applied to each channel. It tends to 2.51 / 2.43
+// and is clamped at 1.
 static double aces(double x)
 {
     return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
