@@ -43,8 +43,8 @@ static void triangle_normal(const struct flat_triangle *triangle, double out[3])
     vec3_cross(edges[0], edges[1], out);
 }
 
-// Returns the index in lamps.triangles of an instance's triangle, or SCENE_NONE if it belongs to no
-// lamp. Must be called in ascending order of instances and triangles.
+// Returns the index in lamps.items of the lamp that has an instance's triangle; SCENE_NONE if none
+// has. Must be called in ascending order of instances and triangles.
 static uint32_t take_lamp(struct flattening *f, const struct instance *instance, uint32_t triangle)
 {
     const struct lamps *lamps = &f->lamps;
@@ -107,7 +107,7 @@ static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
     return true;
 }
 
-// Records a dropped triangle that should have emitted light.
+// Records a dropped triangle if its material emits light.
 static void note_lost(struct flattening *f, const struct placement *placement, uint32_t triangle)
 {
     struct lost_emitters *lost = &f->lost;

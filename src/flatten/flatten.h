@@ -51,14 +51,15 @@ struct flat_mesh {
 // An instance of a shared mesh.
 struct flat_instance {
     uint32_t mesh;     // index in flat_scene.meshes
-    uint32_t material; // overrides the triangles' materials; SCENE_NONE: does not
+    uint32_t material; // replaces the triangles' materials; SCENE_NONE: none
     uint32_t source;   // index in scene.instances
     bool is_mirrored;
     float to_world[3][4];  // from flat_scene.triangles to the coordinates of flat_from_world()
     float to_object[3][4]; // inverse of the rounded to_world, rounded
 };
 
-// Which meshes are shared, that is, stored once, in their own space, for all their instances:
+// Selects the meshes that are shared, that is, stored once, in their own space, for all their
+// instances:
 // - auto: meshes of at least 12 triangles with more than one instance, if copies would take 2^20
 //   triangles or more in all; smaller scenes are built in seconds with one level, which is faster
 //   to trace;
@@ -76,9 +77,10 @@ enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 struct flat_scene {
     // World position of the arrays' origin: geometry far from the world's origin is translated in
     // double precision before it is rounded (docs/verification.md, C2). (0,0,0) unless max
-    // |coordinate| exceeds 16 times the scene's extent: then the centre of the bounding box. If an
-    // object is more than 4096 times as far from that origin as its size and its distance from the
-    // camera, the origin is at the object that the camera resolves best.
+    // |coordinate| exceeds 16 times the scene's extent: then the centre of the bounding box. If
+    // that origin is too far from the object that the camera resolves best (more than 4096 times
+    // the greater of the object's size and its distance from the camera), the origin is at this
+    // object.
     double origin[3];
     // Units of length of the arrays per metre: a power of two, so that scaling is exact. 1 unless
     // the scene's size requires another one: see flatten_choose_scale().
@@ -89,9 +91,9 @@ struct flat_scene {
     // transpose.
     float (*normals)[3][3];
     // Other attributes, per triangle and corner; NULL if no used material needs them, or no mesh
-    // has them. A tangent is a unit vector, not always orthogonal to the normal, followed by the
-    // sign of the bitangent sign * cross(normal, tangent). If a mesh has no tangents, they point in
-    // the direction of increasing u, or in an arbitrary one if that is undefined.
+    // has them. A tangent is a unit vector, not always orthogonal to the normal, followed by a
+    // sign; the bitangent is sign * cross(normal, tangent). If a mesh has no tangents, they point
+    // in the direction of increasing u, or in an arbitrary one if that is undefined.
     float (*tangents)[3][4];
     float (*uvs[2])[3][2]; // finite, 0 if missing; t points down
     float (*colors)[3][4]; // linear RGBA, 1 if missing
@@ -118,8 +120,8 @@ struct flat_scene {
     uint32_t *dropped_before; // for each dropped triangle, the flat triangle that follows it
     bool *material_used;      // for each material of the scene, whether a primitive has it
     float bounds_min[3], bounds_max[3]; // in the arrays' coordinates; min > max if empty
-    uint32_t dropped_degenerate;        // triangles without area (docs/verification.md, C6)
-    uint32_t skipped_instances; // those with singular transforms (docs/verification.md, C30)
+    uint32_t dropped_degenerate;        // number without area (docs/verification.md, C6)
+    uint32_t skipped_instances; // number with singular transforms (docs/verification.md, C30)
 };
 
 struct flatten_params {
@@ -137,8 +139,8 @@ void flat_triangle_edges(const struct flat_scene *flat, uint32_t id, double edge
 // Returns the triangle's entry in flat->small; NULL if it has none.
 const struct flat_small_triangle *flat_find_small(const struct flat_scene *flat, uint32_t id);
 
-// Finds the instance of a flat triangle (SCENE_NONE if it belongs to a shared mesh), and its index
-// in its mesh.
+// Finds the instance of a flat triangle (SCENE_NONE if it belongs to a shared mesh), and the
+// triangle's index in the mesh.
 void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
                           uint32_t *triangle);
 // Finds the instance and the triangle of the k-th dropped triangle.

@@ -142,7 +142,7 @@ static void place_color(const struct mesh *mesh, uint32_t vertex, float out[4])
 
 // The orientation of the texture on the surface.
 struct uv_frame {
-    double tangent[3]; // unit, towards growing u
+    double tangent[3]; // unit vector, towards increasing u
     double down[3];    // direction of increasing v, not normalised
 };
 

@@ -116,7 +116,8 @@ bool flatten_is_lamp(const struct scene *scene, uint32_t kind, uint32_t material
     return kind != SHAPE_PLANE && kind != SHAPE_SDF && flatten_emits(scene, material);
 }
 
-// Finds out whether a mesh's materials permit sharing it.
+// Finds out whether a mesh's materials permit sharing it, and the set of texture coordinates for
+// its tangents.
 static void survey_materials(const struct scene *scene, const struct mesh *mesh,
                              struct mesh_use *use)
 {
@@ -346,8 +347,8 @@ static bool measure_vertices(const struct flatten_params *params, const struct i
     return true;
 }
 
-// Adds one of very many instances to the bounds by its mesh's bounding box, or by its vertices if
-// the transformed box leaves the permitted range.
+// Adds an instance of a shared mesh to the bounds. Uses the mesh's bounding box, because there may
+// be very many instances, or its vertices if the transformed box leaves the permitted range.
 static bool measure_box(const struct flatten_params *params, const struct instance *instance,
                         const struct bounds *box, struct bounds *bounds, struct err *err)
 {

@@ -36,7 +36,7 @@ struct census {
 bool flatten_in_range(const double point[3]);
 // Returns whether triangles with the material are emitters.
 bool flatten_emits(const struct scene *scene, uint32_t material);
-// Returns whether a shape is a lamp that shadow rays are aimed at. The light samples use the
+// Returns whether a shape is a lamp to which shadow rays are sent. The light samples use the
 // shape's centre and size, so its light is correct even if rounding moves the shape by more than
 // its size.
 bool flatten_is_lamp(const struct scene *scene, uint32_t kind, uint32_t material);

@@ -12,12 +12,14 @@
 // The maximum relative change of an emitter's area and normal by rounding.
 #define SMALL_TOLERANCE 0x1p-11
 // Parts of a lamp are connected if their distance is at most this fraction of their coordinates,
-// which is 16 rounding errors: a ray's rounded origin may pass such parts on the wrong side.
+// which is 16 rounding errors, because a ray's rounded origin may be on the wrong side of such a
+// part.
 #define NEAR_TOLERANCE 0x1p-20
 // A light sample tests all triangles of its lamp for occlusion. This number is below the number of
 // iterations that a driver permits (shaders/shared/methods.h).
 #define LAMP_TRIANGLES_MAX 4096
-// The maximum number of such tests for all light samples of one vertex if it samples every emitter.
+// The maximum number of such occlusion tests for all light samples of one vertex if the vertex
+// samples every emitter.
 #define LAMP_TESTS_MAX 32768
 
 // Connected triangles that may belong to a lamp: a node of a union-find forest, whose roots
@@ -77,8 +79,8 @@ __attribute__((noinline)) static void round_corners(const double corners[3][3], 
             out[corner][i] = (float)corners[corner][i];
 }
 
-// Returns whether rounding moves points of a triangle too far relative to its size. This is so even
-// if the corners are exact in single precision, because the points of light samples and of
+// Returns whether rounding moves points of a triangle too far relative to its size. This may be so
+// even if the corners are exact in single precision, because the points of light samples and of
 // occluders are rounded, too.
 static bool is_coarse(const double corners[3][3], const double edges[2][3])
 {
@@ -226,7 +228,7 @@ static void measure_triangle(struct search *s, uint32_t part, const double corne
 }
 
 // Adds the emissive triangles of an instance as parts: one for each connected set of triangles, or
-// one for all.
+// one for all if `roots` is NULL.
 static bool add_parts(struct search *s, const struct placement *placement, uint32_t *roots,
                       uint32_t *part_of_root, struct err *err)
 {

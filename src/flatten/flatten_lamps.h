@@ -35,14 +35,14 @@ bool flatten_find_lamps(const struct flatten_params *params, const struct census
                         const struct flat_scene *flat, struct arena *scratch, struct lamps *out,
                         struct err *err);
 
-// Adds triangle `number` of lamps->triangles to flat->small, which has room. Its corners in
-// flat->triangles are set so that their box contains it: edges are rounded away from the first
-// corner. `normal` becomes the normal of the exact corners, not normalised. A triangle without area
-// is not added.
+// Adds a triangle of lamp `number` to flat->small, which has room, as the next flat triangle. Its
+// edges in flat->triangles are rounded away from the first corner, so that their box contains the
+// triangle. `normal` becomes the normal of the exact corners, not normalised. A triangle without
+// area is not added.
 void lamp_add_triangle(const struct lamps *lamps, uint32_t number, const double corners[3][3],
                        double normal[3], struct flat_scene *flat);
 
-// Sorts the small triangles by lamp.
+// Numbers the small triangles by lamp: sets their place, first and count.
 bool lamps_finish(const struct lamps *lamps, struct flat_scene *flat, struct arena *scratch,
                   struct err *err);
 

@@ -52,8 +52,8 @@ static bool is_in_range(const struct shape *shape)
            flatten_in_range(shape->axes[2]);
 }
 
-// Returns the number of axes that are lengths. The axes of planes, and the axes across round
-// shapes, are unit vectors.
+// Returns how many of a shape's axes are edges with a length. The axes of planes, and the axes
+// across round shapes, are unit vectors.
 static int count_edges(enum shape_kind kind)
 {
     switch (kind) {

@@ -17,7 +17,7 @@ struct build {
     struct bvh *meshes;   // one for each shared mesh
     struct bvh_cut *cuts; // for each shared mesh, boxes that bound it (bvh_cut)
     struct arena *arenas; // one for each thread
-    double done, part;    // fractions of all triangles: in finished trees, and in the current tree
+    double done, part;    // fractions of all primitives: in finished trees, in the current tree
     struct bvh_cache cache;
     double spared_seconds; // build time of the trees that were loaded from the cache
 };
@@ -40,7 +40,7 @@ static bool should_stop(void *context)
     return progress_should_stop(build->p->progress);
 }
 
-// Makes the parameters for the triangles of [first, first + count) only.
+// Makes the parameters for the triangles in [first, first + count) only.
 static struct bvh_params triangle_params(const struct build *build, uint32_t first, uint32_t count)
 {
     const void *vertices = &build->flat->triangles[first];
@@ -121,8 +121,8 @@ static bool build_meshes(struct build *build, struct arena *arena, struct err *e
 
 // --- instances' boxes ----------------------------------------------------------------------------
 
-// The rounding errors of a hit, in units of 2^-24 of the coordinates in world space and in mesh
-// space: rays are transformed in single precision, and each coordinate is a sum of four products,
+// A bound of the rounding errors of a hit, relative to the coordinates in world space and in mesh
+// space. Rays are transformed in single precision, and each coordinate is a sum of four products,
 // which carries errors from one axis to the others.
 #define BOX_ROUNDINGS (32.0 * 0x1p-24)
 

@@ -4,7 +4,7 @@
 #include "flatten/flatten_shapes.h"
 #include <math.h>
 
-// 1e-3 / (14 * 2^-24), rounded to a power of two.
+// The ratio 1e-3 / (14 * 2^-24) (see large_spheres.h), rounded to a power of two.
 #define LARGE_RATIO 1024.0
 
 static double half_diagonal(const float min[3], const float max[3])
@@ -36,7 +36,7 @@ static double camera_height(const struct flat_scene *flat, const struct camera *
     return fabs(vec3_norm(from) - (double)sphere->radius);
 }
 
-// Returns the smallest extent among the bounds of the world's triangles and those of each shared
+// Returns the smallest half diagonal of the bounds of the world's triangles and of each shared
 // mesh.
 static double triangles_size(const struct flat_scene *flat)
 {

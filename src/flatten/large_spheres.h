@@ -11,8 +11,8 @@
 // computed with twice the digits (lib/large_sphere.glsl).
 bool has_large_spheres(const struct flat_scene *flat, const struct camera *camera);
 
-// The two halves of the test: the first holds for any camera and takes time proportional to the
-// number of triangles, the second depends on this camera.
+// The two halves of the test. The first does not depend on the camera and takes time proportional
+// to the number of triangles; the second depends on the camera.
 bool has_large_spheres_anyway(const struct flat_scene *flat);
 bool is_close_to_large_sphere(const struct flat_scene *flat, const struct camera *camera);
 
