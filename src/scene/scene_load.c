@@ -140,7 +140,7 @@ static bool override_environment(struct scene *scene, const struct scene_load_pa
     if (params->studio == SCENE_STUDIO_ON && (params->environment_sky || is_constant))
         return err_set(err, ERR_USAGE,
                        "--studio on: the studio replaces the environment; expected "
-                       "it without --env");
+                       "no --env");
     if (params->environment_sky && !scene_set_sky(scene, params->environment_sky, err))
         return false;
     if (is_constant &&

@@ -208,7 +208,7 @@ class Light(Base):
 
     def test_wishes_that_contradict(self):
         result = self.run_it(self.white(), '--studio', 'on', '--env', '1,1,1', code=2)
-        self.assertIn('without --env', result.stderr)
+        self.assertIn('expected no --env', result.stderr)
         result = subprocess.run([LAMPYRIS, 'compare', 'a.exr', 'b.exr', '--exposure', 'auto'],
                                 stderr=subprocess.PIPE, text=True)
         self.assertEqual(result.returncode, 2)

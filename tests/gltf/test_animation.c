@@ -212,10 +212,10 @@ TEST(choice_of_the_animation)
     CHECK(translation_of(&builder, "walk", NULL, &err) == 1); // at the beginning of the animation
     CHECK(translation_of(&builder, "0", &one, &err) == 4);    // names have precedence over indices
     CHECK(translation_of(&builder, "1", &one, &err) == 4);
-    CHECK(
-        isnan(translation_of(&builder, "run", &one, &err)) && err.code == ERR_USAGE &&
-            strstr(err.msg, "test.glb: no animation \"run\": expected a name or an index below 2"),
-        "%s", err.msg);
+    CHECK(isnan(translation_of(&builder, "run", &one, &err)) && err.code == ERR_USAGE &&
+              strstr(err.msg,
+                     "test.glb: has no animation \"run\"; expected a name or an index below 2"),
+          "%s", err.msg);
     CHECK(isnan(translation_of(&builder, "2", &one, &err)) && err.code == ERR_USAGE);
     CHECK(isnan(translation_of(&builder, "-1", &one, &err)) && err.code == ERR_USAGE);
     CHECK(isnan(translation_of(&builder, "", &one, &err)) && err.code == ERR_USAGE);
@@ -379,13 +379,13 @@ TEST(bad_animations)
                    "animations[0].channels[0]: expected an object");
     check_rejected(&builder, node, "{'channels':[{}],'samplers':[]}", "\"sampler\" is missing");
     check_rejected(&builder, node, "{" TO_TRANSLATION ",'samplers':[]}",
-                   "animations[0].channels[0].sampler: 0, expected an index below 0");
+                   "animations[0].channels[0].sampler: 0; expected an index below 0");
     check_rejected(&builder, node, "{" TO_TRANSLATION ",'samplers':[1]}",
                    "animations[0].samplers[0]: expected an object");
     check_rejected(&builder, node, "{" TO_TRANSLATION ",'samplers':[{'input':1}]}",
                    "\"output\" is missing");
     check_rejected(&builder, node, "{" TO_TRANSLATION "," SAMPLER("'input':1,'output':99") "}",
-                   "animations[0].samplers[0].output: 99, expected an index below 8");
+                   "animations[0].samplers[0].output: 99; expected an index below 8");
     check_rejected(&builder, node,
                    "{" TO_TRANSLATION
                    "," SAMPLER("'input':1,'output':2,'interpolation':'CUBIC'") "}",
@@ -411,7 +411,7 @@ TEST(bad_animations)
         "{" CHANNEL("'node':0,'path':'rotation'") "," SAMPLER("'input':1,'output':6") "}",
         "accessors[6]: the zero quaternion after key 1 is not a rotation");
     snprintf(both, sizeof both, "{%s,%s}", CHANNEL("'node':1,'path':'translation'"), good);
-    check_rejected(&builder, node, both, "target.node: 1, expected an index below 1");
+    check_rejected(&builder, node, both, "target.node: 1; expected an index below 1");
     snprintf(both, sizeof both, "{%s,%s}", CHANNEL("'node':0,'path':'color'"), good);
     check_rejected(&builder, node, both, "animations[0].channels[0].target.path");
     snprintf(both, sizeof both, "{%s,%s}", CHANNEL("'node':0"), good);

@@ -53,7 +53,7 @@ TEST(frame)
         {"'version':'2.0'", "'version':'2.0-'", {"asset.version: "}},
         {"'version':'2.0'", "'version':2.0", {"asset.version: expected a string"}},
         {"'version':'2.0'", "'version':'2.1','minVersion':'2.1'", {"asset.minVersion: ", "2.0"}},
-        {"'scene':0", "'scene':1", {"scene: 1, expected an index below 1"}},
+        {"'scene':0", "'scene':1", {"scene: 1; expected an index below 1"}},
         {"'scene':0", "'scene':-1", {"scene: "}},
         {"'scene':0", "'scene':0,'scene':0", {"line 1", "duplicate"}},
         {"'scene':0,", "'scene':0,,", {"line 1, column "}},
@@ -116,7 +116,7 @@ TEST(buffers)
          {"bufferViews[0]: ", "beyond buffers[0] of 1 bytes"}},
         {"'bufferViews':[{'buffer':0,",
          "'bufferViews':[{'buffer':1,",
-         {"bufferViews[0].buffer: 1, expected an index below 1"}},
+         {"bufferViews[0].buffer: 1; expected an index below 1"}},
         {"'bufferViews':[{'buffer':0,", "'bufferViews':[{", {"\"buffer\" is missing"}},
     };
     CHECK_CASES(cases);
@@ -170,7 +170,7 @@ TEST(buffer_views)
         {"'byteStride':12", "'byteStride':256", {"bufferViews[0].byteStride: ", "[4, 252]"}},
         {"'byteStride':12",
          "'byteStride':8",
-         {"accessors[0]: elements of 12 bytes, but a byteStride of 8"}},
+         {"accessors[0]: elements of 12 bytes overlap at a byteStride of 8"}},
         {"'byteStride':12", "'byteStride':16", {"accessors[0]: 4 elements of 12", "do not fit"}},
         {"'byteOffset':96,'byteLength':12",
          "'byteOffset':96,'byteLength':12,'byteStride':4",
@@ -193,7 +193,7 @@ TEST(accessors)
     static const struct bad_case cases[] = {
         {"'attributes':{'POSITION':0",
          "'attributes':{'POSITION':3",
-         {"meshes[0].primitives[0].attributes.POSITION: 3, expected an index below 3"}},
+         {"meshes[0].primitives[0].attributes.POSITION: 3; expected an index below 3"}},
         {NORMAL_ACCESSOR,
          "{'componentType':5126,'type':'VEC3'}",
          {"accessors[1]: \"count\" is missing"}},
@@ -211,7 +211,8 @@ TEST(accessors)
          {"accessors[1]: 1000000000 elements", "do not fit into bufferViews[1] of 48 bytes"}},
         {NORMAL_ACCESSOR,
          "{'componentType':5126,'count':1000000000,'type':'VEC3'}",
-         {"accessors[1]: 1000000000 elements without \"bufferView\"; at most 16777216"}},
+         {"accessors[1]: has 1000000000 elements without \"bufferView\"; expected at most "
+          "16777216"}},
         {NORMAL_ACCESSOR,
          "{'bufferView':1,'componentType':5126,'count':4611686018427387904,'type':'VEC3'}",
          {"accessors[1].count: 4611686018427387904 is outside"}},
@@ -230,10 +231,10 @@ TEST(accessors)
          {"accessors[1]: begins at byte 2"}},
         {NORMAL_ACCESSOR,
          "{'byteOffset':4,'componentType':5126,'count':4,'type':'VEC3'}",
-         {"accessors[1]: \"byteOffset\" without \"bufferView\""}},
+         {"accessors[1]: has \"byteOffset\" but no \"bufferView\""}},
         {NORMAL_ACCESSOR,
          "{'bufferView':5,'componentType':5126,'count':4,'type':'VEC3'}",
-         {"accessors[1].bufferView: 5, expected an index below 5"}},
+         {"accessors[1].bufferView: 5; expected an index below 5"}},
         {NORMAL_ACCESSOR,
          "{'bufferView':1,'count':4,'type':'VEC3'}",
          {"accessors[1]: \"componentType\" is missing"}},
@@ -287,7 +288,7 @@ TEST(quantization)
     struct err err;
     bool ok = load_glb(&scene, declared, &sample_binary, sizeof sample_binary, &err);
     check_rejected(ok, &err,
-                   "test.glb: ", (const char *const[3]){"accessors[1]: vertices 3 bytes apart"},
+                   "test.glb: ", (const char *const[3]){"accessors[1]: vertices are 3 bytes apart"},
                    "stride 3");
     scene_finish(&scene);
     free(declared);
@@ -338,7 +339,7 @@ TEST(sparse)
         // The little-endian bytes are 2, 0, 3, 0, which do not ascend.
         {"{'bufferView':3,'componentType':5123}",
          "{'bufferView':3,'componentType':5121}",
-         {"accessors[0].sparse.indices: element 1 is 0; expected indices that ascend strictly"}},
+         {"accessors[0].sparse.indices: element 1 is 0; expected strictly increasing indices"}},
         {"'values':{'bufferView':4}",
          "'values':{}",
          {"accessors[0].sparse.values: \"bufferView\""}},
@@ -461,7 +462,7 @@ TEST(cameras_and_materials)
         {"'yfov':0.5,", "", {"cameras[0].perspective: \"yfov\" is missing"}},
         {"'yfov':0.5,", "'yfov':0,", {"cameras[0].perspective.yfov: "}},
         {"'yfov':0.5,", "'yfov':3.2,", {"cameras[0].perspective.yfov: "}},
-        {"0,0,5,1]", "0,0,5e18,1]", {"nodes[2]: the camera's coordinate 5e+18"}},
+        {"0,0,5,1]", "0,0,5e18,1]", {"nodes[2]: the camera's coordinate is 5e+18"}},
         {"'baseColorFactor':[1,0.5,0.25,1]",
          "'baseColorFactor':[1.7,0.5,0.25,1]",
          {"materials[0].pbrMetallicRoughness.baseColorFactor[0]: 1.7 is outside [0, 1]"}},
@@ -498,7 +499,7 @@ TEST(instancing)
          {"attributes: expected TRANSLATION, ROTATION or SCALE"}},
         {"'name':'root',",
          "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':3}}},",
-         {"attributes.TRANSLATION: 3, expected an index below 3"}},
+         {"attributes.TRANSLATION: 3; expected an index below 3"}},
         {"'name':'root',",
          "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'ROTATION':0}}},",
          {"accessors[0].type: \"VEC3\"; expected \"VEC4\" for ROTATION"}},
@@ -514,7 +515,7 @@ TEST(instancing)
     static const struct {
         const char *attributes, *message;
     } pairs[] = {
-        {"'TRANSLATION':0,'SCALE':1", "SCALE has 2 elements, another attribute 3"},
+        {"'TRANSLATION':0,'SCALE':1", "SCALE has 2 elements, another attribute has 3"},
         {"'ROTATION':2", "accessors[2]: element 0: the zero quaternion"},
     };
     for (size_t i = 0; i < 2; i++) {
@@ -593,8 +594,8 @@ TEST(glb)
     uint8_t first_size = glb.data[12], length = glb.data[8];
     free(glb.data);
     check_patched_glb(0, 'G', "does not begin with \"glTF\"");
-    check_patched_glb(4, 1, "GLB: version 1, expected 2");
-    check_patched_glb(8, (uint8_t)(length + 4), "GLB: the header says");
+    check_patched_glb(4, 1, "GLB: version 1; expected 2");
+    check_patched_glb(8, (uint8_t)(length + 4), "GLB: the header states");
     check_patched_glb(12, (uint8_t)(first_size + 1), "expected a multiple of 4");
     check_patched_glb(15, 0x7f, "but ");
     check_patched_glb(16, 'X', "GLB: the first chunk is of type 0x");

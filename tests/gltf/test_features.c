@@ -538,7 +538,7 @@ TEST(ignored_extensions)
                        "'extensionsUsed':['KHR_materials_unlit','EXT_a','EXT_b']}",
                        NULL, 0, &err);
     CHECK(ok, "%s", err.msg);
-    CHECK(has_note(&scene, "test.glb: ignored extensions: EXT_a, EXT_b"));
+    CHECK(has_note(&scene, "test.glb: unsupported extensions are ignored: EXT_a, EXT_b"));
     scene_finish(&scene);
 }
 

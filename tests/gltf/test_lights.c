@@ -107,10 +107,10 @@ static const struct {
     const char *node, *light, *message;
 } bad_lights[] = {
     {HOLDS(1), "{'type':'point'}",
-     "test.glb: nodes[0].extensions.KHR_lights_punctual.light: 1, expected an index below 1"},
+     "test.glb: nodes[0].extensions.KHR_lights_punctual.light: 1; expected an index below 1"},
     {"'extensions':{'KHR_lights_punctual':{}}", "{'type':'point'}", "\"light\" is missing"},
     {"'extensions':{'KHR_lights_punctual':7}", "{'type':'point'}", "expected an object, not 7"},
-    {"'translation':[1e30,0,0]," HOLDS(0), "{'type':'point'}", "the light's coordinate 1e+30"},
+    {"'translation':[1e30,0,0]," HOLDS(0), "{'type':'point'}", "the light's coordinate is 1e+30"},
     {HOLDS(0), "7", "extensions.KHR_lights_punctual.lights[0]: expected an object, not 7"},
     {HOLDS(0), "{}", "lights[0]: \"type\" is missing"},
     {HOLDS(0), "{'type':'area'}", "lights[0].type: "},
@@ -199,15 +199,15 @@ TEST(bad_variants)
         const char *find, *replacement, *variant, *message;
         enum err_code code;
     } rows[] = {
-        {"red", "red", "green", "test.gltf: no variant \"green\"; the file has: \"red\", \"blue\"",
+        {"red", "red", "green", "test.gltf: has no variant \"green\", but \"red\", \"blue\"",
          ERR_USAGE},
         {"'extensions':{'KHR_materials_variants':{'variants'", "'extras':{'x':{'variants'", "red",
-         "test.gltf: no variant \"red\": the file has none", ERR_USAGE},
+         "test.gltf: has no variant \"red\" and no others", ERR_USAGE},
         {"{'name':'red'}", "{}", "blue", "variants[0]: \"name\" is missing", ERR_INPUT},
         {"{'name':'red'}", "7", "blue", "variants[0]: expected an object, not 7", ERR_INPUT},
         {"'material':1,'variants'", "'variants'", "red", "\"material\" is missing", ERR_INPUT},
         {"'material':1,'variants'", "'material':3,'variants'", "red",
-         "mappings[0].material: 3, expected an index below 3", ERR_INPUT},
+         "mappings[0].material: 3; expected an index below 3", ERR_INPUT},
         {"'variants':[0]", "'variants':[3]", "red",
          "mappings[0].variants[0]: expected the index of one of 3 variants", ERR_INPUT},
         {",'variants':[0]}", "}", "red", "mappings[0]: \"variants\" is missing", ERR_INPUT},

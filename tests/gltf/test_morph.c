@@ -208,9 +208,10 @@ TEST(bad_targets)
     check_rejected("'nodes':[{'mesh':0,'weights':['a']}],'meshes':[{'primitives':[{'attributes':{"
                    "'POSITION':0},'targets':[{}]}]}]",
                    "nodes[0].weights[0]: ");
-    check_rejected("'nodes':[{'mesh':0}],'meshes':[{'primitives':[" PRIMITIVE ",{'attributes':{"
-                   "'POSITION':0},'targets':[{}]}]}]",
-                   "meshes[0].primitives[1]: 1 morph targets, the primitives before have 2");
+    check_rejected(
+        "'nodes':[{'mesh':0}],'meshes':[{'primitives':[" PRIMITIVE ",{'attributes':{"
+        "'POSITION':0},'targets':[{}]}]}]",
+        "meshes[0].primitives[1]: has 1 morph targets, but the primitives before have 2");
 }
 
 TEST_MAIN(TEST_CASE(sums), TEST_CASE(weights_of_nodes), TEST_CASE(animated_weights),

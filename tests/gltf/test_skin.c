@@ -318,15 +318,15 @@ TEST(bad_skins)
     check_rejected(SKIN("'joints':[1,-1]"), "skins[0].joints[1]: -1; ");
     check_rejected(SKIN("'joints':[1,2],'skeleton':3"), "skins[0].skeleton: 3, expected an index");
     check_rejected(SKIN("'joints':[1,2],'inverseBindMatrices':15"),
-                   "skins[0].inverseBindMatrices: 15, expected an index below 15");
+                   "skins[0].inverseBindMatrices: 15; expected an index below 15");
     check_rejected(SKIN("'joints':[1,2],'inverseBindMatrices':14"),
                    "accessors[14]: 1 inverse bind matrices for 2 joints");
     check_rejected(SKIN("'joints':[1,2],'inverseBindMatrices':6"),
                    "accessors[6].type: \"VEC4\"; expected \"MAT4\" for inverse bind matrices");
     check_rejected(&(struct skin_file){.nodes = "{'mesh':0,'skin':1},{},{}"},
-                   "nodes[0].skin: 1, expected an index below 1");
+                   "nodes[0].skin: 1; expected an index below 1");
     check_rejected(&(struct skin_file){.nodes = NODES, .rest = ",'scenes':[{'nodes':[0]}]"},
-                   "skins[0].joints[0]: node 1 is not in the scene that is shown");
+                   "skins[0].joints[0]: node 1 is not in the scene that is loaded");
     check_rejected(&(struct skin_file){.nodes = "{'mesh':0,'skin':0},{'scale':[1e200,1,1],"
                                                 "'translation':[0,0,1e300]},{}"},
                    "meshes[0].primitives[0]: vertex 0: its joints bring it to ");

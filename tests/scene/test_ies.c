@@ -156,7 +156,7 @@ static const struct {
     {HEAD "1 1 1 2 1 1" SIZES "90 0\n0\n1 1\n", "ascending"},
     {HEAD "1 1 1 2 1 1" SIZES "0 0\n0\n1 1\n", "ascending"},
     {HEAD "1 1 1 2 2 1" SIZES "0 90\n0 45\n1 1 1 1\n", "0 to 90"},
-    {HEAD "1 1 1 2 2 1" SIZES "0 90\n90 270\n1 1 1 1\n", "by way of 180"},
+    {HEAD "1 1 1 2 2 1" SIZES "0 90\n90 270\n1 1 1 1\n", "including 180"},
     {HEAD "1 1 1 2 1 1" SIZES "0 90\n0\n1 -1\n", "candela"},
     {HEAD "1 1 1 2 1 1" SIZES "0 90\n0\n1 inf\n", "candela"},
     {HEAD "1 1 1 2 1 1" SIZES "0 90\n0\n1 x\n", "candela"},

@@ -69,7 +69,7 @@ TEST(several_solids_and_none)
     CHECK(load_text(&scene, SQUARE "\n\n" SQUARE).triangle_count == 4);
     scene_finish(&scene);
     struct mesh mesh = load_text(&scene, "solid\nendsolid");
-    CHECK(mesh.triangle_count == 0 && warnings == 1 && strstr(warning, "no triangles"));
+    CHECK(mesh.triangle_count == 0 && warnings == 1 && strstr(warning, "has no triangles"));
     scene_finish(&scene);
 }
 

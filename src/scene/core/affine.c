@@ -58,8 +58,8 @@ double affine_determinant(const double m[3][4])
     affine_cofactors(m, cofactors);
     double determinant = vec3_dot(m[0], cofactors[0]);
     // Returns 0 for a determinant within its own rounding error. |det| is at most the product of
-    // the rows' lengths (Hadamard). Each of the six products of three factors and the five sums of
-    // them rounds once, relative to that bound at worst.
+    // the rows' lengths (Hadamard). Each of the 9 multiplications and 5 additions errs by at most
+    // DBL_EPSILON / 2 times that bound.
     double bound = vec3_length(m[0]) * vec3_length(m[1]) * vec3_length(m[2]);
     return fabs(determinant) > 16 * DBL_EPSILON * bound ? determinant : 0.0;
 }
@@ -99,8 +99,8 @@ void affine_box(const double m[3][4], const double min[3], const double max[3], 
 
 bool affine_uniform_scale(const double m[3][4], double *scale)
 {
-    // Matrices are often written with six or seven digits, so their columns may differ by that
-    // much.
+    // Matrices are often written with only six or seven digits, so the columns of a uniform scale
+    // may have this relative error.
     const double tolerance = 1e-5;
     double columns[3][3], lengths[3];
     for (int j = 0; j < 3; j++) {

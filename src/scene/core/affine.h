@@ -14,8 +14,9 @@ void affine_point(const double m[3][4], const double p[3], double out[3]);
 // Transforms a vector, ignoring the translation.
 void affine_vector(const double m[3][4], const double v[3], double out[3]);
 
-// Computes the rotation about `axis` (of any length but zero) through the origin, counter-clockwise
-// when the axis points to the viewer. Returns false when the axis has no direction.
+// Computes the rotation by `angle` radians about `axis` (of any length but zero) through the
+// origin, counter-clockwise when the axis points to the viewer. Returns false when the axis has no
+// direction.
 bool affine_rotation(const double axis[3], double angle, double out[3][4]);
 
 // Returns the determinant of the linear part; exactly 0 if it does not exceed its own rounding

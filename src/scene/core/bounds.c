@@ -34,7 +34,8 @@ void bounds_add_point(struct bounds *bounds, const double point[3])
     }
 }
 
-// Returns how far a disc extends along n: |n| times the sine of the angle between n and its normal.
+// Returns the largest n.(v - centre) over the points v of a disc: its radius times |n| times the
+// sine of the angle between n and the disc's normal.
 static double disc_extent(const double normal[3], double radius, const double n[3])
 {
     double along = vec3_dot(normal, n);

@@ -24,8 +24,8 @@ void mesh_vertex(const struct mesh *mesh, uint32_t vertex, double out[3]);
 void bounds_add_point(struct bounds *bounds, const double point[3]);
 // Adds the bounding box of a shape. Planes are infinite and add nothing.
 void bounds_add_shape(struct bounds *bounds, const struct shape *shape);
-// Computes how far a shape extends from its centre along each axis. Returns false if it is
-// infinite.
+// Computes how far a shape extends from its centre along each axis of the world. Returns false if
+// the shape is infinite.
 bool shape_reach(const struct shape *shape, double reach[3]);
 // Returns the largest n.(v - centre) over the points v of the shape; n may have any length.
 double shape_extent(const struct shape *shape, const double n[3]);

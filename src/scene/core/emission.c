@@ -135,8 +135,8 @@ static double cap_solid_angle(double angle)
     return 4 * M_PI * half * half;
 }
 
-// Returns the solid angle of the directions in which a light at this position emits and that hit
-// the sphere.
+// Returns the solid angle within which a point or spot light sends light to the sphere; for a spot
+// light, an upper bound.
 static double solid_angle_towards(const struct light *light, const double center[3], double radius)
 {
     double towards[3];

@@ -105,7 +105,8 @@ bool scene_set_gradient(struct scene *scene, const struct environment_gradient *
     *source = *gradient;
     environment.gradient = source;
     for (uint32_t row = 0; row < environment.height; row++) {
-        // The mean of a function that is linear in the height is its value at the mean height.
+        // Solid angle is uniform in the height y (Archimedes), so the mean over a row of a function
+        // that is linear in y is its value at the row's mean y.
         double height = 0.5 * (cos(M_PI * row / environment.height) +
                                cos(M_PI * (row + 1) / environment.height));
         const float *pole = height > 0 ? gradient->zenith : gradient->nadir;
@@ -120,7 +121,7 @@ bool scene_set_gradient(struct scene *scene, const struct environment_gradient *
 
 double environment_sun_radiance(double irradiance, double angular_radius)
 {
-    // The integral of the cosine over the disc is pi sin^2 of its radius.
+    // The integral of the cosine over the disc is pi sin^2 of its angular radius.
     double sine = sin(angular_radius);
     return irradiance / (M_PI * sine * sine);
 }

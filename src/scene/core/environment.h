@@ -8,18 +8,18 @@
 //   v = acos(y) / pi                  0 at the upper edge
 //
 // The upper edge is the zenith (+Y), the lower one the nadir. The centre of the image is +X; to the
-// right follow +Z (u = 3/4), -X (the right edge and the left), and -Z (u = 1/4). To a viewer inside
-// the sphere with +Y upwards this is not mirrored: looking along +X, +Z is to the right.
+// right follow +Z (u = 3/4), -X (the right edge and the left), and -Z (u = 1/4). A viewer inside
+// the sphere with +Y up sees the image unmirrored: when looking along +X, +Z is to the right.
 //
-// The radiance of column i, row j of an image is that at the centre of its texel, where u width is
-// i + 1/2 and v height is j + 1/2. Between centres it is bilinear in u and v. The column to the
-// right of the last one is the first. The radiance at a pole is the mean of the texels of the first
-// or the last row; between the pole and their centres it is bilinear, too, so that radiance is a
-// continuous function of the direction. (All texels of the row are equally far from the pole; where
-// radiance has a gradient there, each texel cancels the opposite one.)
+// The texel in column i and row j holds the radiance at its centre, where u width is i + 1/2 and v
+// height is j + 1/2. Between centres, radiance is interpolated bilinearly in u and v. The first
+// column follows the last one. The radiance at a pole is the mean of the texels of the first or the
+// last row; between the pole and the centres of that row, interpolation is bilinear, too, so that
+// radiance is a continuous function of the direction. (All texels of the row are equally far from
+// the pole, so the mean is exact if radiance is linear near the pole.)
 //
 // With ENVIRONMENT_FILTER_NEAREST a texel is a patch of constant radiance instead: column floor(u
-// width), row floor(v height), clamped to the last ones.
+// width), row floor(v height), clamped to the last column and row.
 //
 // The rotation turns the environment about +Y, counter-clockwise as seen from above: a rotation by
 // 90 degrees moves what was in direction +Z to direction +X.
@@ -28,7 +28,7 @@
 
 #include "scene/core/scene.h"
 
-// The maximum width and height of an image: the kernels store each in 16 bits.
+// The maximum width and height of an image, because the kernels store each in 16 bits.
 #define ENVIRONMENT_SIZE_MAX 65535
 // Limits of suns' angular diameters, in degrees. Below the minimum, directions in single precision
 // no longer resolve positions on the disc.
@@ -47,8 +47,9 @@ bool scene_set_environment(struct scene *scene, const char *file, const float ra
                            struct err *err);
 
 // A radiance that is piecewise linear in the y of a direction: horizon at y = 0, zenith at y = 1
-// and nadir at y = -1. A texel holds its mean, which differs from the radiance at its edges by at
-// most 0.16 % of the difference of two colours. The colours are added to the scene's hash.
+// and nadir at y = -1. Each texel of the image holds the mean over the texel, which differs from
+// the radiance at its edges by at most 0.16 % of the difference of two colours. The colours are
+// added to the scene's hash.
 struct environment_gradient {
     float zenith[3], horizon[3], nadir[3]; // W/(sr m^2)
 };
@@ -71,7 +72,7 @@ void scene_take_light(struct scene *scene);
 // Returns the index of the light that is the sky's sun; SCENE_NONE if there is none.
 uint32_t scene_sun_light(const struct scene *scene);
 
-// Removes the sun of a replaced environment from the lights, of which it is the last.
+// Removes the sun of the environment `former`, which was replaced, from the end of the lights.
 void scene_remove_sun(struct scene *scene, const struct environment *former);
 
 // Returns the radiance of a disc of this angular radius (radians, at most pi / 2) that causes this
@@ -84,12 +85,12 @@ double environment_texel_solid_angle(const struct environment *environment, uint
 // is between the zenith and the first row of texels, row `height` between the last row and the
 // nadir.
 double environment_cell_solid_angle(const struct environment *environment, uint32_t row);
-// Returns the maximum component of the radiance, including the factor.
+// Returns the maximum component of the radiance, including the factor `radiance`.
 float environment_greatest(const struct environment *environment);
-// Returns the mean luminance (BT.709) over all directions, including the factor.
+// Returns the mean luminance (BT.709) over all directions, including the factor `radiance`.
 double environment_luminance(const struct environment *environment);
 // Returns the mean over all directions of max(0, luminance - `floor`) of the image, including the
-// factor.
+// factor `radiance`.
 double environment_luminance_above(const struct environment *environment, double floor);
 
 #endif

@@ -43,11 +43,12 @@ struct subject {
     const struct scene *scene;
     double axes[3][3];
     double center[3]; // centre of its bounding box
-    bool is_a_point;  // or empty; framed like a ball of radius 1
+    bool is_a_point;  // or is empty; either is framed like a ball of radius 1
 };
 
-// Computes the largest s.v + t z.v over the points v relative to the centre, where t is `tangent`
-// and s is the camera's axis, +x or +y, for out[0] and the opposite axis for out[1].
+// Computes for out[0] the largest (s + t z).v over the model's points v relative to its centre.
+// Here s is the camera's x or y axis (0 or 1), z is its z axis, and t is `tangent`. For out[1], s
+// is negated.
 static void support_pair(const struct subject *subject, int axis, double tangent, double out[2])
 {
     double normals[2][3];
@@ -64,10 +65,10 @@ static void support_pair(const struct subject *subject, int axis, double tangent
 }
 
 // Computes the nearest camera position that sees the whole model along one axis of the image. The
-// model is between two planes through the camera, at slope `tangent` to either side of its axis,
-// and touches both. With a and b the supports (see support_pair), a camera at (p, d) along x and z
-// needs t d >= a - p and t d >= b + p. The nearest position has p = (a - b) / 2 and d = (a + b) /
-// 2t.
+// model lies between two planes through the camera, at slope `tangent` on either side of the
+// camera's z axis, and touches both. With a and b the supports (see support_pair), a camera at (p,
+// d) along x and z needs t d >= a - p and t d >= b + p. The nearest position has p = (a - b) / 2
+// and d = (a + b) / 2t.
 static double fit_pair(const struct subject *subject, int axis, double tangent, double *position)
 {
     double support[2];
@@ -77,9 +78,9 @@ static double fit_pair(const struct subject *subject, int axis, double tangent, 
 }
 
 // Finds the position that centres the model at a given distance d: both planes are equally tight at
-// the tangent t = (a(t) + b(t)) / 2d. The derivative of a and b by t is the depth of a point, which
-// is less than a quarter of the distance. So each step of this iteration reduces the error to a
-// quarter, and five steps reduce it to 4^-5.
+// the tangent t = (a(t) + b(t)) / 2d. The derivative of a and b with respect to t is the depth of a
+// point, which is less than a quarter of the distance. So each step of this iteration reduces the
+// error to a quarter, and five steps reduce it to 4^-5.
 static double center_pair(const struct subject *subject, int axis, double tangent, double distance)
 {
     double position;

@@ -60,8 +60,7 @@ void light_aim(struct light *light, const double direction[3])
     memcpy(light->direction, d, sizeof d);
     if (!light->profile)
         return;
-    // If the profile's plane has the direction of the new axis, the old axis is perpendicular to
-    // the new one.
+    // If profile_x is nearly parallel to the new axis, the old axis is nearly perpendicular to it.
     memcpy(x, light->profile_x, sizeof x);
     if (fabs(vec3_dot(x, d)) > 0.999)
         memcpy(x, former, sizeof x);

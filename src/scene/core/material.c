@@ -25,7 +25,7 @@ const struct material_parameter material_parameters[] = {
     {"emission", PARAMETER_EMISSION, 3, 0, RADIANCE_MAX, 0, ALL,
      "Radiance emitted from both sides, W/(sr m^2)."},
     {"anisotropic", PARAMETER_ANISOTROPIC, 1, 0, 1, 0, PRINCIPLED,
-     "How much longer highlights are along the tangent: aspect = sqrt(1 - 0.9 anisotropic)."},
+     "Stretches highlights along the tangent: aspect = sqrt(1 - 0.9 anisotropic)."},
     {"roughness", PARAMETER_ROUGHNESS, 1, 0, 1, 0.5f, MICROFACETS,
      "Perceptual roughness; alpha = roughness^2, and 0 is perfectly specular."},
     {"metallic", PARAMETER_METALLIC, 1, 0, 1, 0, PRINCIPLED,

@@ -47,7 +47,9 @@ static bool place_transform(const struct placement *p, const double from[3][4], 
     for (int c = 0; c < 3; c++)
         scale[c][c] = p->scale[c];
     if (!affine_inverse(from, inverse))
-        return err_set(err, ERR_INPUT, "its transform is singular: it cannot be placed");
+        return err_set(err, ERR_INPUT,
+                       "its transform is singular, so it cannot be placed; expected an invertible "
+                       "one");
     rotation_of(p, turn);
     affine_point(inverse, p->about, fixed); // in the mesh's space
     affine_multiply(from, scale, to);
@@ -92,8 +94,8 @@ static bool check_shape(const struct shape *shape, struct err *err)
     for (int c = 0; c < 3; c++)
         ok = ok && fabs(shape->center[c]) <= SCENE_COORDINATE_MAX;
     return ok || err_set(err, ERR_INPUT,
-                         "the shape at (%g, %g, %g) would be beyond the range of scenes: expected "
-                         "coordinates up to %g m and lengths from %g m on",
+                         "the shape at (%g, %g, %g) would be outside the range of scenes; expected "
+                         "coordinates of at most %g m and lengths of at least %g m",
                          shape->center[0], shape->center[1], shape->center[2], SCENE_COORDINATE_MAX,
                          SCENE_LENGTH_MIN);
 }

@@ -21,8 +21,8 @@ struct placement {
 struct placed_object {
     uint32_t object;
     struct placement placement;
-    double transform[3][4]; // an instance's transform without the placement; or
-    struct shape shape;     // a shape without it; only members that describe its geometry are valid
+    double transform[3][4]; // for an instance: its transform without the placement
+    struct shape shape;     // for a shape: its geometry without the placement; no other members
 };
 
 struct placement placement_none(const double about[3]);
@@ -33,8 +33,8 @@ bool placement_is_none(const struct placement *placement); // ignores `about`
 // need one scale.
 bool place_axes_are_free(const struct scene *scene, uint32_t object);
 
-const struct placed_object *scene_find_placed(const struct scene *scene,
-                                              uint32_t object); // or NULL
+// Returns the entry of the object; NULL if it has no placement.
+const struct placed_object *scene_find_placed(const struct scene *scene, uint32_t object);
 // Returns the object's placement; the identity about the origin if it has none.
 struct placement scene_placement(const struct scene *scene, uint32_t object);
 // Places the object. The identity restores exactly the bits that were loaded. Fails with ERR_INPUT

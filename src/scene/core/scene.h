@@ -52,7 +52,7 @@ struct mesh {
 
 struct instance {
     uint32_t mesh;
-    uint32_t material;      // overrides the mesh's materials; SCENE_NONE: does not
+    uint32_t material;      // replaces the mesh's materials; SCENE_NONE: none
     double transform[3][4]; // mesh space to world
     bool hidden;            // omitted from the render
 };
@@ -86,11 +86,11 @@ struct shape {
     bool hidden;  // omitted from the render
 };
 
-// A signed distance field (shared/sdf.h), in the space of its description. Its shapes place it in
-// the world; see sdf_to_world().
+// A signed distance field (shared/sdf.h), in the space of its description. Shapes of kind SHAPE_SDF
+// place it in the world; see sdf_to_world().
 struct gpu_sdf_instruction;
 struct sdf {
-    double min[3], max[3]; // its box in that space
+    double min[3], max[3]; // bounding box in that space
     struct gpu_sdf_instruction *code;
     uint32_t count;   // number of instructions
     double lipschitz; // upper bound of the described field's gradient; the program's is at most 1
@@ -122,8 +122,8 @@ struct environment_sun {
 struct sky;
 struct environment_gradient;
 
-// The light from outside the scene, which rays that hit nothing find. With an image, `radiance`
-// multiplies it.
+// The light that arrives from infinitely far away, which escaping rays find. `radiance` multiplies
+// the image, if there is one.
 struct environment {
     bool present;
     float radiance[3];      // constant radiance, or the image's factor
@@ -159,7 +159,8 @@ enum scene_studio {
 };
 extern const char *const scene_studio_names[]; // "off", "auto", "on", NULL
 enum scene_ground {
-    SCENE_GROUND_AUTO, // with the studio, unless a camera of the file is below the ground
+    // With the studio, unless a model's camera is below the ground or a .json scene has a camera.
+    SCENE_GROUND_AUTO,
     SCENE_GROUND_ON,
     SCENE_GROUND_OFF,
 };
@@ -182,13 +183,13 @@ struct scene {
     struct camera *cameras;   // as in the file; the first is used unless another is chosen
     uint32_t camera_count;    // at least 1 after scene_load
     uint32_t animation_count; // number of animations in a glTF file
-    double animation_seconds; // time of the last key of the selected animation, else of the first
+    double animation_seconds; // time of the last key of the selected or else the first animation
     bool camera_is_framed;    // the loader added cameras[0]; see scene_frame_camera
     bool is_model;            // the file, or its base, is in another format than this program's
     bool is_empty;            // no triangle with an area, no shape and no environment of its own
     bool is_hidden;           // all surfaces are hidden, and there is no environment of its own
     bool has_studio;          // the studio's light was added
-    double weak_emission;     // the file's own light if too weak to count, see studio.h
+    double weak_emission;     // *emission of scene_is_lit() if it is too weak, else 0
     bool has_ground;          // the last shape is an added ground
     bool has_own_exposure, has_own_tone; // the file sets them
     bool exposure_is_replaced;           // the file's exposure was meant for an environment that
@@ -260,7 +261,7 @@ struct scene_load_params {
     // The overrides come from a file in this folder: paths in them are relative to it and confined
     // to it. NULL: they come from the user.
     const char *override_folder;
-    uint32_t base_depth; // number of files that have this one as a "base", in a chain
+    uint32_t base_depth; // length of the chain of "base" files that leads to this one
     // These replace the file's environment; see environment.h and sky.h. If all are NULL, it is
     // kept.
     const char *environment_file;
@@ -286,7 +287,7 @@ struct scene_load_params {
 // failure *out is finished and {0}, and *err names the file, the place, the value and what was
 // expected.
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
-// Adds a file to *scene, which must be initialised already, unlike with scene_load().
+// Loads a file into *scene, which the caller has initialised.
 bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err);
 void scene_finish(struct scene *scene); // accepts NULL and {0}
 
@@ -329,9 +330,10 @@ bool is_mesh_file(const char *path);
 // Returns the end of a message about a file of another format: "; PROGRAM can export it as glTF" if
 // such a program is known, else "".
 const char *mesh_file_hint(const char *path);
-// Fails with ERR_INPUT, because the file's extension is unknown; the message lists the known ones.
+// Sets ERR_INPUT for a file with an unknown extension and returns false. The message lists the
+// known extensions.
 bool scene_unknown_extension(const char *path, struct err *err);
-// Loads an OBJ, PLY or STL file, as its extension says.
+// Loads an OBJ, PLY or STL file, according to its extension.
 bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t default_material,
                             bool allow_outside_paths, uint32_t *index, struct err *err);
 // Appends a mesh from the caller's arrays, which are checked and copied.
@@ -343,9 +345,10 @@ bool load_array(struct scene *scene, const struct scene_array *array, uint32_t d
 bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
                     bool allow_outside_paths, struct err *err);
 
-// Append elements to arrays in the scene's arena. They return the new element, zeroed except that
-// names are "", or NULL when out of memory. *index becomes its index if `index` is not NULL.
-// Pointers to earlier elements become invalid, because the array may move.
+// Append elements to arrays in the scene's arena. They return the new element, or NULL when out of
+// memory. Its members are 0, except that names are "", materials have the values of
+// material_init(), and a texture's transform is the identity. *index becomes its index if `index`
+// is not NULL. Pointers to earlier elements become invalid, because the array may move.
 struct material *scene_add_material(struct scene *scene, uint32_t *index);
 struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);

@@ -147,10 +147,10 @@ struct light {
     float radiant[3];               // point, spot: intensity, W/sr; directional: irradiance, W/m^2
     float range;                    // metres, > 0; INFINITY: unlimited
     float inner_angle, outer_angle; // spot: half-angles, radians, 0 <= inner < outer <= pi / 2
-    double angular_radius;          // directional: of the disc, radians, to pi / 2; 0: delta light
-    // Point, spot: scales the intensity by direction, see ies.h; or NULL. The vertical angle is 0
-    // along `direction`, for point lights too. The horizontal angle is 0 in the half-plane of
-    // profile_x, a unit vector orthogonal to `direction`.
+    double angular_radius;          // directional: the disc's, radians, <= pi / 2; 0: delta light
+    // Point, spot: scales the intensity by direction (see ies.h); NULL: no profile. The vertical
+    // angle is 0 along `direction`, for point lights too. The horizontal angle is 0 in the
+    // half-plane of profile_x, a unit vector orthogonal to `direction`.
     const struct light_profile *profile;
     double profile_x[3];
     bool hidden; // omitted from the render

@@ -43,7 +43,7 @@ struct setting {
     const char *group;    // group of the option in the help
     const char *help;     // sentences, with the unit
     const char *brief;    // one line for --help; NULL: only --help-all shows the option
-    bool changes_samples; // not only their number or the display of the film
+    bool changes_samples; // false: only changes their number, or the display of the film
     double fallback;      // the default
     // The meaning of the setting's word, or of its least number if it has no word; NULL: no special
     // meaning.
@@ -53,7 +53,7 @@ struct setting {
     const char *label;
     const char *unit; // shown after the number
     double drag;      // change by dragging across the whole control; 0: derived from the range
-    bool gap;         // leave a gap before it in the panel
+    bool gap;         // the panel leaves a gap before the setting
     // The setting has an effect only while the setting `needs` has one of these values, one bit
     // each; 0: always.
     enum setting_id needs;
@@ -68,8 +68,7 @@ struct settings settings_default(void);
 bool settings_same(const struct settings *a, const struct settings *b);
 bool setting_is_in_use(const struct setting *setting, const struct settings *settings,
                        bool has_image);
-// Writes "From 0.01 to 1.", and the meaning of the setting's word or least number; "" for choices
-// and switches.
+// Writes the range of a number, such as "From 0.01 to 1."; "" for choices and switches.
 #define SETTING_RANGE_MAX 120
 void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX]);
 // Writes the default, such as "off (any distance)".

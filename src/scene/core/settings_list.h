@@ -1,14 +1,14 @@
 // The list of all settings of a render, one row each. The including file first defines
 //   SETTING(ID, C type, member of struct settings, key in scene files, option, group in the help,
-//           help, designated members of struct field in parentheses, those of struct setting)
+//           help, designated members of struct field in parentheses, and of struct setting)
 // A row with SETTING_OF_FILE has no option of its own. A row with SETTING_OF_COUNT changes the
 // number of samples in the film but not their values. A row with SETTING_OF_IMAGE changes how the
 // film is displayed, and no bit of the film.
 //
 // Ranges: counts end at 2^20, the maximum length of paths, or are "off". Numbers stored in single
 // precision end at 3.4e38, just below its maximum; lengths begin at 1e-37, above which single
-// precision has all its digits. No range excludes a value that earlier versions accepted and that a
-// kernel can distinguish from 0.
+// precision has all its digits. The ranges include all values that earlier versions accepted,
+// except those that kernels cannot distinguish from 0.
 #ifndef SETTING_OF_FILE
 #define SETTING_OF_FILE(...)
 #endif
@@ -21,7 +21,7 @@
 
 // clang-format off
 SETTING_OF_FILE(WIDTH, uint32_t, width, "width", NULL, NULL,
-    "Width of the image in pixels; at most 2^31 pixels in all.",
+    "Width of the image in pixels. The image has at most 2^31 pixels.",
     (COUNT(1, SETTINGS_SIZE_MAX)), .fallback = 512)
 SETTING_OF_FILE(HEIGHT, uint32_t, height, "height", NULL, NULL,
     "Height of the image in pixels.",
@@ -85,7 +85,7 @@ SETTING(ACCUMULATION, uint32_t, accumulation, "film_accumulation", "accumulation
     "comparison.",
     (CHOICE(accumulation_names)), .fallback = ACCUMULATION_BINNED, .label = "Accumulation")
 SETTING(FILTER, uint32_t, filter, "filter", "filter", "Method",
-    "Pixel filter, sampled by importance.",
+    "Pixel filter, which is importance-sampled.",
     (CHOICE(filter_names)), .fallback = FILTER_BOX, .label = "Filter",
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "Method",
@@ -97,7 +97,8 @@ SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "
 SETTING(LIGHT_CHOICE, uint32_t, light_choice, "light_choice", "light-choice", "Method",
     "How the emitter for a vertex's shadow ray is selected: with equal probability (uniform), in "
     "proportion to power (power), or by an estimate of its contribution to the vertex (tree: a "
-    "light tree). With all, a vertex sends a shadow ray to each lamp.",
+    "light tree). With all, a vertex sends a shadow ray to each lamp. auto chooses one of these by "
+    "the number of emitters and lamps.",
     (CHOICE(light_choice_names)), .fallback = LIGHT_CHOICE_AUTO, .label = "Light choice",
     .gap = true, NEEDS(NEE, 1u << true))
 SETTING(NEE, bool, nee, "nee", "nee", "Method",
@@ -129,17 +130,18 @@ SETTING(DIRECTION_EXPONENT, float, direction_exponent, "direction_exponent", "di
     (REAL(0, SETTINGS_EXPONENT_MAX)), .fallback = 15, .argument = "N", .label = "  exponent",
     NEEDS(DIRECTIONS, 1u << DIRECTIONS_POWER_COSINE))
 SETTING(NORMALS, uint32_t, normals, "normals", "normals", "Method",
-    "Which microfacet normals of rough surfaces are sampled: those visible from the direction of "
-    "the incoming path, or the whole distribution, which has more variance and is for comparison.",
+    "The distribution from which microfacet normals of rough surfaces are sampled: those visible "
+    "from the direction of the incoming path, or all normals. The latter has more variance and is "
+    "for comparison.",
     (CHOICE(normals_names)), .fallback = NORMALS_VISIBLE, .label = "Normals")
 SETTING(RADIANCE_SCALING, bool, radiance_scaling, "radiance_scaling", "radiance-scaling", "Method",
-    "Refraction scales radiance by 1 / eta^2: inside glass of index n it is n^2 times that "
-    "outside. Off leaves the factor out, as some renderers do; what is seen through a closed body "
-    "from outside stays the same.",
+    "Refraction scales radiance by 1 / eta^2: inside glass of index n, radiance is n^2 times that "
+    "outside. Off omits the factor, as some renderers do. A view through a closed body from "
+    "outside stays the same.",
     (SWITCH), .fallback = true, .label = "Radiance scaling")
 SETTING(SPLIT_LOBES, uint32_t, split_lobes, "split_lobes", "split-lobes", "Method",
     "At the first N vertices of a path, surfaces that have both diffuse and specular lobes scatter "
-    "two rays, one by each kind of lobe. Only with the directions bsdf.",
+    "two rays, one by each kind of lobe. This needs the directions bsdf.",
     (COUNT(0, SETTINGS_SPLIT_LOBES_MAX)), .fallback = 0, .argument = "N",
     .label = "Split lobes", NEEDS(DIRECTIONS, 1u << DIRECTIONS_BSDF))
 SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
@@ -148,8 +150,8 @@ SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
     (REAL(0, SETTINGS_REAL_MAX), .word = "off"), .fallback = 0, .argument = "LIMIT",
     .label = "Clamp")
 SETTING(MIN_DENSITY, float, min_density, "min_density", "min-density", "Method",
-    "Paths end if the density of their next direction, per steradian, is below this. The light "
-    "that they would have found is missing, so the picture is biased.",
+    "Paths end if the density of their next direction, per steradian, is below this limit. The "
+    "light that they would have found is missing, so the picture is biased.",
     (REAL(0, SETTINGS_REAL_MAX), .word = "off"), .fallback = 0, .argument = "D", .unit = "1/sr",
     .label = "Least density", .drag = 4)
 SETTING(ROULETTE, uint32_t, roulette, "roulette", "roulette", "Method",

@@ -189,7 +189,7 @@ static const char *scan_exponent(const char *at, struct decimal *out)
     const char *digits = at + (at[1] == '-' || at[1] == '+' ? 2 : 1);
     if (!is_digit(*digits))
         return at;
-    // A larger exponent cannot be brought back into range by the digits of any text.
+    // No text has enough digits to bring a larger exponent back into range.
     const int64_t bound = INT64_C(100000000000000000);
     int64_t exponent = 0;
     for (; is_digit(*digits); digits++)

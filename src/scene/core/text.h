@@ -55,7 +55,7 @@ bool text_take_float(struct text_reader *text, float *out);
 // As text_take_float(), but rounds to double precision.
 bool text_take_double(struct text_reader *text, double *out);
 // As text_take_float(), but reads a decimal integer; values beyond int64_t saturate. Stops after
-// the last digit, whatever follows: see text_word_ended().
+// the last digit, whatever follows; text_word_ended() checks what follows.
 bool text_take_integer(struct text_reader *text, int64_t *out);
 // Returns whether a blank, the end of the line or the end of the text follows.
 bool text_word_ended(const struct text_reader *text);

@@ -37,8 +37,8 @@ static void judge_texel(const float texel[4], struct judgement *judgement)
     judgement->has_alpha |= texel[3] < 1;
 }
 
-// Checks texels and computes their statistics. Halves are decoded from codes, so they are in [0,
-// 1]. Invalid floats become 0, with alpha 1.
+// Checks texels and computes their statistics. Halves are decoded from integer codes, so they are
+// in [0, 1]. Invalid floats become 0, with alpha 1.
 static void judge_texels(const struct image_texels *texels, const struct progress *progress,
                          struct judgement *out)
 {
@@ -215,8 +215,8 @@ bool material_is_missing(const struct material *material)
 
 // --- textures ------------------------------------------------------------------------------------
 
-// Notes whether texels are cut: lib/texture.glsl clamps texels that would take parameters out of
-// their range.
+// Adds a note if the image has texels above 1, which lib/texture.glsl clamps so that parameters
+// stay in their range.
 static bool note_if_cut(struct scene *scene, const struct material *material,
                         const struct texture *texture, struct err *err)
 {

@@ -14,8 +14,8 @@ struct texture_source {
 
 // Decodes an image into scene->images, or returns the index of an image with the same bytes and
 // encoding that was loaded before. Fails with ERR_INPUT if it cannot be decoded or if a side
-// exceeds 65535. Texels that are not finite become 0, and a note counts them. The file's bytes are
-// added to the scene's hash.
+// exceeds 65535 pixels. Texels that are negative or not finite become 0, and a note counts them.
+// The file's bytes are added to the scene's hash.
 bool texture_image_load(struct scene *scene, const struct texture_source *source, uint32_t *index,
                         struct err *err);
 
@@ -33,15 +33,15 @@ bool material_is_missing(const struct material *material);
 
 // Appends a texture to the material. The material's textures must be the last ones of the scene, so
 // textures are added material by material. *texture is copied. Texels above 1 count as 1, except
-// for emission; a note names an image that has some.
+// for emission; a note names an image that has such texels.
 bool material_add_texture(struct scene *scene, struct material *material,
                           const struct texture *texture, struct err *err);
 
 // Gets a texel as RGBA. Texels are numbered row by row from the top.
 void texture_texel(const struct texture_image *image, uint64_t index, float out[4]);
 
-// Returns the flags of a texture that scales parameters of a group: channel c[i] of the texel (0
-// red … 3 alpha) scales component i of the group; -1: nothing scales it.
+// Returns the flags of a texture that scales parameters of a group: channel[i] of the texel (0 red
+// … 3 alpha) scales component i of the group; -1: none does.
 uint32_t texture_scales(uint32_t group, const int channel[4]);
 // Sets (s, t) = offset + R (scale * (u, v)), where R = (cos, sin; -sin, cos) of the angle in
 // radians.

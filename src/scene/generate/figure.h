@@ -21,7 +21,7 @@ extern const uint32_t figure_triangles[FIGURE_COUNT];
 // about 2 high; the dragon faces +x, is about 4 long and stands on y = 0.
 bool generate_figure(struct scene *scene, enum figure figure, uint32_t triangles, uint32_t material,
                      uint32_t *index, struct err *err);
-// Returns the memory, in bytes, of the mesh and its generation.
+// Returns an upper bound of the memory of the mesh in bytes. Its generation takes more memory.
 uint64_t generate_figure_bytes(uint32_t triangles);
 
 #endif

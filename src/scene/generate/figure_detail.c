@@ -22,8 +22,8 @@ static double mix(double a, double b, double t)
     return a + t * (b - a);
 }
 
-// Returns the dot product with one of twelve gradients, which point to the midpoints of a cube's
-// edges.
+// Returns the dot product of (x, y, z) with one of twelve gradients, which point to the midpoints
+// of a cube's edges.
 static double gradient(uint32_t bits, double x, double y, double z)
 {
     uint32_t h = bits & 15;
@@ -56,8 +56,8 @@ static double noise_at(const double p[3], double frequency, double shift)
     return noise(q);
 }
 
-// Returns the fraction of a detail of this wavelength that a mesh of this edge length can
-// represent.
+// Returns the weight of details of this wavelength on a mesh of edge length `finest`: it increases
+// from 0 at two edges per wavelength to 1 at four.
 static double shown(double wavelength, double finest)
 {
     double t = wavelength / (2 * finest) - 1;
@@ -106,7 +106,7 @@ static void cells(const double p[3], double out[2])
     out[1] = sqrt(out[1]);
 }
 
-// Returns domes with grooves between them.
+// Returns the height of a reptile's scales: domes with grooves between them.
 static double scales(const double p[3], double size, double finest)
 {
     double q[3], d[2];

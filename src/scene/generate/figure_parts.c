@@ -213,7 +213,7 @@ static void add_all(struct figure_field *field, const struct part *parts, size_t
         add(field, &parts[i]);
 }
 
-// Adds two rows of teeth along a parabola, larger towards the sides.
+// Adds two rows of teeth along a parabola.
 static void add_teeth(struct figure_field *field)
 {
     for (int row = 0; row < 2; row++)
@@ -249,7 +249,7 @@ static void add_spine(struct figure_field *field)
             length += back[c] * back[c];
         }
         length = sqrt(length);
-        // The upward direction perpendicular to the spine: y without its part along the spine.
+        // `up` is the y axis without its component along the spine.
         for (int c = 0; c < 3; c++)
             up[c] = (c == 1) - back[1] / length * back[c] / length;
         double size = vec3_norm(up);

@@ -10,7 +10,7 @@
 // sums of sines so that curvature and triangle size vary. Deterministic.
 bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, uint32_t *mesh,
                    struct err *err);
-// Returns the memory of the mesh in bytes; so do the functions of the same form below.
+// Returns the size of the mesh in bytes, as the other functions generate_*_bytes() do.
 uint64_t generate_blob_bytes(uint32_t triangles);
 
 #define TEAPOT_RESOLUTION_MAX 1024

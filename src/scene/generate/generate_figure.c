@@ -1,8 +1,8 @@
-// Converts a figure's field to a mesh: surface nets (Gibson 1998, "Constrained elastic surface
-// nets", with vertices at the mean of a cell's crossings), whose quadrilaterals are split into four
-// as often as needed; then vertices are moved to the surface and displaced along its normal.
-// Figures with few triangles are simplified from more triangles (Garland and Heckbert 1997, by
-// meshoptimizer), so that the triangles are where the shape needs them.
+// Converts a figure's field to a mesh by surface nets (Gibson 1998, "Constrained elastic surface
+// nets"), with each vertex at the mean of its cell's crossings. The quadrilaterals are split into
+// four as often as needed. Then the vertices are moved to the surface and displaced along its
+// normal. Figures with few triangles are simplified from a finer mesh (Garland and Heckbert 1997,
+// by meshoptimizer), so that the triangles are where the shape needs them.
 #include "scene/generate/figure_field.h"
 
 #include "base/maths.h"
@@ -36,8 +36,8 @@ struct net {
 
 // --- sampling ------------------------------------------------------------------------------------
 
-// The distance to the surface is at least this fraction of the field's value: ellipsoids' values
-// overestimate distances, by at most a factor of two in these figures.
+// The distance to the surface is at least this fraction of the field's value. The values of
+// ellipsoids overestimate distances by at most a factor of two in these figures.
 #define SAFE_PART 0.4
 
 struct sampling {
@@ -62,7 +62,8 @@ static void sample_rows(void *context, size_t begin, size_t end, unsigned thread
                                  g->origin[1] + g->step * (double)(row % g->size[1]),
                                  g->origin[2] + g->step * (double)(row / g->size[1])};
             double value = figure_field_value(s->field, p, NULL);
-            // Samples that are nearer than the distance to the surface are on the same side of it.
+            // Samples that are nearer than the distance to the surface are on the same side of the
+            // surface.
             double known = SAFE_PART * fabs(value) / g->step;
             next = x + 1 + (known < g->size[0] - x - 1 ? (uint32_t)known : g->size[0] - x - 1);
             for (uint32_t i = x; i < next; i++)
@@ -257,8 +258,8 @@ static void displace(void *context, size_t begin, size_t end, unsigned thread)
         enum part_skin skin = SKIN_PLAIN;
         figure_field_normal(d->field, p, 0.5 * d->edge, n);
         double away = figure_field_value(d->field, p, &skin);
-        // The step is limited to the edge length, because where parts join the field's value is not
-        // a distance.
+        // The step is limited to the edge length, because the field's value is not a distance where
+        // parts join.
         double limit = d->edge;
         away = fmin(fmax(away, -limit), limit);
         double out = figure_detail(skin, p, d->edge) - away;
@@ -318,8 +319,8 @@ uint64_t generate_figure_bytes(uint32_t triangles)
            (triangles + triangles / 8) * (uint64_t)sizeof *mesh->indices;
 }
 
-// Makes a net of about `quads` quadrilaterals, and its field, with a grid step chosen from the area
-// that the previous grid found. *step is the step of the grid.
+// Makes a figure's field and a net of about `quads` quadrilaterals. Each try chooses the grid step
+// from the number of quadrilaterals that the previous try made. *step becomes the grid step.
 static bool fit_net(enum figure figure, double quads, const struct progress *progress,
                     struct arena *arena, struct figure_field *field, double *step, struct net *net)
 {

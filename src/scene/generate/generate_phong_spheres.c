@@ -1,9 +1,9 @@
-// Spheres with Phong's model after D. Kuri 2018, "GPU Path Tracing in Unity", part 2. Its image has
-// the seed 1223832719, radii from 5 to 30, 10000 tries and a disc of radius 100. The random numbers
-// are those of the Unity engine, which are public knowledge: Marsaglia 2003, "Xorshift RNGs"
-// (xor128 of section 4), with a state initialised by the multiplier of Knuth's line 26 (1812433253,
-// increment 1); 23 bits per number; ranges run from their end to their start. All arithmetic is in
-// single precision.
+// Spheres with Phong's model after D. Kuri 2018, "GPU Path Tracing in Unity", part 2. The image
+// there has the seed 1223832719, radii from 5 to 30, 10000 tries and a disc of radius 100. The
+// random numbers are those of the Unity engine, which are public knowledge: Marsaglia 2003,
+// "Xorshift RNGs" (xor128 of section 4), with a state initialised by a linear congruential
+// generator (Knuth's multiplier 1812433253, increment 1). Numbers have 23 bits; angles and squared
+// radii are drawn as 1 - u. All arithmetic is in single precision.
 #include "scene/generate/phong_spheres.h"
 
 #include <math.h>

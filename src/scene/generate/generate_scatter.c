@@ -31,8 +31,8 @@ static double random_number(const struct scatter *scatter, uint32_t sphere, uint
 
 // --- placing -------------------------------------------------------------------------------------
 
-// A grid of spheres by the cell of their centre. A cell is at least as wide as the largest
-// horizontal distance between the centres of two overlapping spheres.
+// A grid that lists the spheres by the cell of their centre. A cell is at least as wide as the
+// largest horizontal distance between the centres of two overlapping spheres.
 struct grid {
     uint32_t side;
     double origin, cells_per_metre;
@@ -65,8 +65,8 @@ static bool is_free(const struct grid *grid, const struct scattered_sphere *sphe
     return true;
 }
 
-// Counts work between two polls for a stop: a position may take a thousand tries, and a try as many
-// comparisons as there are spheres.
+// Counts tries and comparisons, so that stops are polled for at even intervals: a position may take
+// a thousand tries, and a try as many comparisons as there are spheres.
 struct polling {
     uint64_t work, polled; // comparisons and tries, in total and at the last poll
     bool is_stopped;
@@ -166,8 +166,8 @@ static void between(const double a[3], const double b[3], double out[3])
         out[c] = sum[c] / length;
 }
 
-// Splits a triangle. Vertices are not shared, but neighbours compute equal ones, because they use
-// the same two ends.
+// Splits a triangle recursively. Vertices are not shared, but neighbours compute equal midpoints,
+// because they use the same two ends.
 static void split(struct mesh *mesh, const double a[3], const double b[3], const double c[3],
                   uint32_t subdivision)
 {
@@ -207,8 +207,8 @@ uint64_t generate_icosphere_bytes(uint32_t subdivision)
 
 bool generate_icosphere(struct scene *scene, uint32_t subdivision, uint32_t *index, struct err *err)
 {
-    // The icosahedron: corners of three golden rectangles; faces are counter-clockwise as seen from
-    // outside.
+    // The corners of an icosahedron are those of three golden rectangles. The faces are
+    // counter-clockwise as seen from outside.
     static const double g = 1.6180339887498949;
     const double corners[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
                                    {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},

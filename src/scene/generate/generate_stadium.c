@@ -63,8 +63,8 @@ bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32
             return false;
         add_ring(&mesh, stadium, at);
     }
-    // Triangles are counter-clockwise as seen from the field and from above; those of the wall as
-    // seen from outside.
+    // The triangles of the field and the stands are counter-clockwise as seen from above the field,
+    // those of the wall as seen from outside.
     for (uint32_t i = 0; i < segments; i++) {
         uint32_t next = (i + 1) % segments;
         add_triangle(&mesh, 0, 1 + i, 1 + next);

@@ -1,5 +1,5 @@
-// The Utah teapot: 32 bicubic Bezier patches (M. Newell, University of Utah, 1975; the four of the
-// bottom are later: F. Crow, "The Origins of the Teapot", IEEE CG&A 7(1), 1987).
+// The Utah teapot: 32 bicubic Bezier patches (M. Newell, University of Utah, 1975; the four patches
+// of the bottom were added later: F. Crow, "The Origins of the Teapot", IEEE CG&A 7(1), 1987).
 //
 // The published patches are of two kinds, so that a few numbers define them all: surfaces of
 // revolution, in which each control point of a profile makes a quarter circle, and tubes, in which
@@ -34,8 +34,8 @@ static const struct ring bottom[] = {
     {0.0, 0.0, 0.0},
 };
 
-// A control point of a tube: (x, z) of the side on which a half begins and of the opposite side,
-// and the distance from the plane y = 0 of the two control points between them.
+// A control point of a tube: (x, z) of the sides on which the first half begins and ends, and the
+// distance from the plane y = 0 of the two control points between these sides.
 struct section {
     double near[2], far[2], half_width;
 };
@@ -165,8 +165,8 @@ static void evaluate_row(const double row[4][3], const double weight[4], const d
     }
 }
 
-// Computes the point and the normal dP/du x dP/dv. At a pole dP/dv vanishes like u or 1 - u, and
-// its direction is that of d2P/dudv.
+// Computes the point and the normal dP/du x dP/dv. At a pole, dP/dv vanishes like u or 1 - u; its
+// direction is that of d2P/dudv at u = 0, and the opposite at u = 1.
 static void evaluate(const struct patch *patch, double u, double v, double point[3],
                      double normal[3])
 {

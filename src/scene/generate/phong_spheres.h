@@ -12,7 +12,7 @@
 struct phong_spheres {
     uint32_t count, seed;          // count: number of spheres that are tried
     double min_radius, max_radius; // 0 < min <= max
-    double disc_radius; // of the disc about the origin, in the plane y = 0, for the spheres
+    double disc_radius; // radius of the disc about the origin, in y = 0, that has the spheres
     const struct progress *progress; // NULL: no listener
 };
 

@@ -11,7 +11,7 @@
 
 struct scatter {
     uint32_t count, seed;
-    double disc_radius;              // disc about the origin, in the plane y = 0, for the spheres
+    double disc_radius;              // radius of the disc about the origin, in y = 0
     double min_radius, max_radius;   // 0 < min <= max <= disc_radius; small radii are more frequent
     const struct progress *progress; // NULL: no listener
 };
@@ -32,7 +32,7 @@ bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
 // Returns the memory, in bytes, for scatter_spheres() and `out`.
 uint64_t scatter_spheres_bytes(uint32_t count);
 
-// Returns random number `n` of item `item`, 32 bits.
+// Returns 32 random bits: the number with index `n` in the sequence of `item`.
 uint32_t scatter_bits(uint32_t seed, uint32_t item, uint32_t n);
 
 // Appends a sphere of radius 1 about the origin with normals: the 20 triangles of an icosahedron,

@@ -76,14 +76,14 @@ bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struc
     return true;
 }
 
-// Chooses the distance between elements: the view's stride, or the size of an element if it gives
-// none.
+// Chooses the distance between elements: the view's stride, or the size of an element if the view
+// has no stride.
 static bool choose_stride(const struct buffer_view *view, const struct claim *claim,
                           uint64_t *stride, struct err *err)
 {
     *stride = view->stride ? view->stride : claim->size;
     if (*stride < claim->size)
-        return node_fail(claim->holder, err, "elements of %u bytes, but a byteStride of %llu",
+        return node_fail(claim->holder, err, "elements of %u bytes overlap at a byteStride of %llu",
                          claim->size, (unsigned long long)*stride);
     // Only vertex attributes may have a stride. A stride that equals the element's size is
     // harmless.
@@ -92,7 +92,8 @@ static bool choose_stride(const struct buffer_view *view, const struct claim *cl
                          "a byteStride of %llu; expected elements of %u bytes without gaps",
                          (unsigned long long)*stride, claim->size);
     if (claim->is_vertex_attribute && *stride % 4 != 0)
-        return node_fail(claim->holder, err, "vertices %llu bytes apart; expected a multiple of 4",
+        return node_fail(claim->holder, err,
+                         "vertices are %llu bytes apart; expected a multiple of 4",
                          (unsigned long long)*stride);
     return true;
 }
@@ -144,7 +145,9 @@ static bool read_component_type(const struct json_node *object, uint32_t allowed
         return false;
     uint64_t type = code - COMPONENT_CODE_BASE; // a code that is too small wraps to a large number
     if (type >= COMPONENT_TYPE_COUNT || !components[type].name)
-        return node_fail(&node, err, "%llu is not a component type", (unsigned long long)code);
+        return node_fail(&node, err,
+                         "%llu is not a component type; expected 5120 to 5123, 5125 or 5126",
+                         (unsigned long long)code);
     if (!(allowed & COMPONENT_BIT(type)))
         return node_fail(&node, err, "%llu (%s) is not allowed for %s", (unsigned long long)code,
                          components[type].name, use);
@@ -215,7 +218,7 @@ static bool check_sparse_indices(const struct accessor_view *view, const struct 
         uint32_t index = sparse_index(view, i);
         if (index < least || index >= view->count)
             return node_fail(node, err,
-                             "element %u is %u; expected indices that ascend strictly below the "
+                             "element %u is %u; expected strictly increasing indices below the "
                              "accessor's count, %u",
                              i, index, view->count);
         least = index + 1; // no overflow: count is at most GLTF_MAX_COUNT
@@ -260,10 +263,10 @@ static bool open_base(const struct gltf_document *document, uint32_t index,
     }
     if (!json_object_get(out->node.value, "bufferView")) {
         if (json_object_get(out->node.value, "byteOffset"))
-            return node_fail(&out->node, err, "\"byteOffset\" without \"bufferView\"");
+            return node_fail(&out->node, err, "has \"byteOffset\" but no \"bufferView\"");
         if (out->count > ACCESSOR_MAX_UNBACKED_COUNT)
             return node_fail(&out->node, err,
-                             "%u elements without \"bufferView\"; at most %llu are read",
+                             "has %u elements without \"bufferView\"; expected at most %llu",
                              out->count, (unsigned long long)ACCESSOR_MAX_UNBACKED_COUNT);
         return true;
     }

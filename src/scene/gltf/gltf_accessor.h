@@ -4,8 +4,8 @@
 
 #include "scene/gltf/gltf_document.h"
 
-// The codes of the specification minus COMPONENT_CODE_BASE. The specification does not support 5124
-// (INT) either.
+// The codes of the specification minus COMPONENT_CODE_BASE. The specification has no code 5124
+// (INT).
 enum component_type {
     COMPONENT_I8 = 0,
     COMPONENT_U8 = 1,
@@ -20,8 +20,8 @@ enum component_type {
 #define COMPONENTS_SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
 #define COMPONENTS_SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
 
-// The maximum count of an accessor without a buffer view, whose elements are zeros: it is the only
-// size that is not bounded by the size of the file. 2^24 is more than real files need, and needs
+// The maximum count of an accessor without a buffer view. Its elements are zeros. Its size is the
+// only one that the size of the file does not limit. 2^24 is more than real files need, and needs
 // little memory.
 #define ACCESSOR_MAX_UNBACKED_COUNT (UINT64_C(1) << 24)
 
@@ -75,8 +75,8 @@ bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_
 // joints.
 bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint32_t *out,
                           struct err *err);
-// Reads count unsigned integers of a SCALAR accessor. Fails if one is not below `limit`, naming the
-// limit, such as "the vertex count", or if one is the primitive restart value.
+// Reads count unsigned integers of a SCALAR accessor. Fails if one is not below `limit`, which
+// messages call `limit_name`, such as "the vertex count", or if one is the primitive restart value.
 bool accessor_read_indices(const struct accessor_view *view, uint32_t limit, const char *limit_name,
                            uint32_t *out, struct err *err);
 

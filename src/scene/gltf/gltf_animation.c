@@ -156,7 +156,7 @@ static bool find_width(struct gltf_load *load, const struct json_node *target,
     if (channel->path != PATH_WEIGHTS) {
         channel->width = value_rules[channel->path].components;
         return !json_object_get(node.value, "matrix") ||
-               node_fail(target, err, "nodes[%u] has a \"matrix\"; expected one without",
+               node_fail(target, err, "nodes[%u] has a \"matrix\"; expected a node without",
                          channel->node);
     }
     if (!gltf_read_index(&node, "mesh", document->counts[GLTF_MESHES], &mesh, err) ||
@@ -166,7 +166,7 @@ static bool find_width(struct gltf_load *load, const struct json_node *target,
            node_fail(target, err, "nodes[%u] has no mesh with morph targets", channel->node);
 }
 
-// Reads the target of a channel. *is_ignored: the target belongs to an extension.
+// Reads the target of a channel. *is_ignored becomes true if the target belongs to an extension.
 static bool read_target(struct gltf_load *load, const struct json_node *node,
                         struct channel *channel, bool *is_ignored, struct err *err)
 {

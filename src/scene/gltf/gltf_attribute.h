@@ -17,7 +17,7 @@ bool gltf_attribute_read(struct gltf_load *load, const struct json_node *attribu
 // read.
 uint32_t gltf_attribute_count(const struct gltf_document *document, uint32_t accessor,
                               enum gltf_attribute attribute);
-// Returns the number of floats per element in these arrays.
+// Returns the number of floats per element in the arrays of gltf_attribute_read().
 uint32_t gltf_attribute_width(enum gltf_attribute attribute);
 
 #endif

@@ -32,10 +32,10 @@ static bool glb_check_header(const struct file_bytes *bytes, struct err *err)
         return err_set(err, ERR_INPUT, "GLB: ends within its header, after %zu bytes", bytes->size);
     uint32_t version = load_u32(bytes->data + 4), length = load_u32(bytes->data + 8);
     if (version != 2)
-        return err_set(err, ERR_INPUT, "GLB: version %u, expected 2", version);
+        return err_set(err, ERR_INPUT, "GLB: version %u; expected 2", version);
     if (length != bytes->size)
-        return err_set(err, ERR_INPUT, "GLB: the header says %u bytes, the file has %zu", length,
-                       bytes->size);
+        return err_set(err, ERR_INPUT, "GLB: the header states %u bytes, but the file has %zu",
+                       length, bytes->size);
     return true;
 }
 
@@ -50,13 +50,13 @@ static bool glb_next_chunk(const struct file_bytes *bytes, size_t *at, struct gl
 {
     size_t remaining = bytes->size - *at;
     if (remaining < GLB_CHUNK_HEADER_BYTES)
-        return err_set(err, ERR_INPUT, "GLB: %zu bytes at %zu, too few for a chunk", remaining,
-                       *at);
+        return err_set(err, ERR_INPUT, "GLB: %zu bytes remain at byte %zu, too few for a chunk",
+                       remaining, *at);
     uint32_t length = load_u32(bytes->data + *at);
     remaining -= GLB_CHUNK_HEADER_BYTES;
     if (length % GLB_ALIGNMENT != 0)
         return err_set(err, ERR_INPUT,
-                       "GLB: the chunk at byte %zu has %u bytes, expected a multiple of 4", *at,
+                       "GLB: the chunk at byte %zu has %u bytes; expected a multiple of 4", *at,
                        length);
     if (length > remaining)
         return err_set(err, ERR_INPUT, "GLB: the chunk at byte %zu has %u bytes, but %zu remain",
@@ -77,16 +77,15 @@ bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err
     if (!glb_next_chunk(bytes, &at, &chunk, err))
         return false;
     if (chunk.type != GLB_TYPE_JSON)
-        return err_set(err, ERR_INPUT, "GLB: the first chunk is of type 0x%08x, expected JSON",
+        return err_set(err, ERR_INPUT, "GLB: the first chunk is of type 0x%08x; expected JSON",
                        chunk.type);
     out->json = chunk.content;
     for (int number = 2; at < bytes->size; number++) {
         if (!glb_next_chunk(bytes, &at, &chunk, err))
             return false;
         if (chunk.type == GLB_TYPE_JSON || (chunk.type == GLB_TYPE_BINARY && number > 2))
-            return err_set(err, ERR_INPUT,
-                           "GLB: chunk %d is of type %s, expected it as the %s chunk only", number,
-                           chunk.type == GLB_TYPE_JSON ? "JSON" : "BIN",
+            return err_set(err, ERR_INPUT, "GLB: chunk %d is of type %s; only the %s chunk may be",
+                           number, chunk.type == GLB_TYPE_JSON ? "JSON" : "BIN",
                            chunk.type == GLB_TYPE_JSON ? "first" : "second");
         if (chunk.type == GLB_TYPE_BINARY)
             out->binary = chunk.content;
@@ -107,8 +106,8 @@ static int base64_digit(char c)
                                   : -1;
 }
 
-// Decodes strict base64 (RFC 4648, section 4): padded, no other characters, unused bits zero. `out`
-// has length / 4 * 3 bytes. Returns false for anything else.
+// Decodes base64 (RFC 4648, section 4). `out` must have room for length / 4 * 3 bytes. Returns
+// false if padding is missing, a character is invalid, or an unused bit is set.
 static bool base64_decode(const char *text, size_t length, uint8_t *out, size_t *size)
 {
     if (length % 4 != 0)
@@ -144,7 +143,7 @@ static bool decode_data_uri(const struct json_node *uri, const char *text, struc
     const size_t marker_length = sizeof marker - 1;
     if (!comma || (size_t)(comma - text) < marker_length ||
         !ascii_begins(comma - marker_length, marker))
-        return node_fail(uri, err, "a data URI without \";base64,\"");
+        return node_fail(uri, err, "the data URI lacks \";base64,\"");
     const char *encoded = comma + 1;
     size_t length = strlen(encoded);
     uint8_t *data = arena_alloc(arena, length / 4, 3);
@@ -154,7 +153,7 @@ static bool decode_data_uri(const struct json_node *uri, const char *text, struc
     }
     *out = (struct file_bytes){.data = data};
     if (!base64_decode(encoded, length, data, &out->size))
-        return node_fail(uri, err, "a data URI that is not valid base64");
+        return node_fail(uri, err, "the data URI is not valid base64");
     return true;
 }
 
@@ -219,7 +218,7 @@ static bool load_buffer(struct gltf_document *document, uint32_t index,
     const struct json_node node = gltf_item(document, GLTF_BUFFERS, index);
     struct file_bytes bytes = {0};
     struct json_node extensions, meshopt;
-    bool is_fallback = false; // for readers without EXT_meshopt_compression; its bytes are not used
+    bool is_fallback = false; // the buffer is only for readers without EXT_meshopt_compression
     if (!gltf_require(&node, "byteLength", err) ||
         !node_read_integer(&node, "byteLength", 1, INT64_MAX, &buffer->size, err) ||
         !gltf_read_extension(&node, "EXT_meshopt_compression", &extensions, &meshopt, err) ||

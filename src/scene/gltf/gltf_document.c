@@ -74,7 +74,7 @@ bool gltf_read_index(const struct json_node *object, const char *key, uint32_t c
     if (!node_read_integer(object, key, 0, INT64_MAX, &index, err))
         return false;
     if (node.value && index >= count)
-        return node_fail(&node, err, "%llu, expected an index below %u", (unsigned long long)index,
+        return node_fail(&node, err, "%llu; expected an index below %u", (unsigned long long)index,
                          count);
     *out = (uint32_t)index;
     return true;
@@ -94,7 +94,7 @@ bool gltf_find(const struct gltf_document *document, enum gltf_list list, const 
     *out = (uint32_t)index;
     if (*wanted >= '0' && *wanted <= '9' && *end == '\0' && index < document->counts[list])
         return true;
-    return err_set(err, ERR_USAGE, "%s: no %s \"%s\": expected a name or an index below %u",
+    return err_set(err, ERR_USAGE, "%s: has no %s \"%s\"; expected a name or an index below %u",
                    document->source->path, what, wanted, document->counts[list]);
 }
 
@@ -305,7 +305,7 @@ static bool check_frame(struct gltf_document *document, struct err *err)
     return true;
 }
 
-// Finds the JSON text and the binary chunk in either kind of file.
+// Finds the JSON text and the binary chunk of a .gltf or .glb file.
 static bool open_container(const struct gltf_source *source, struct glb_chunks *out,
                            struct err *err)
 {

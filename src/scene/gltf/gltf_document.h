@@ -53,8 +53,8 @@ struct gltf_document {
     struct json_node lists[GLTF_LIST_COUNT];
     uint32_t counts[GLTF_LIST_COUNT];
     struct gltf_buffer *buffers; // counts[GLTF_BUFFERS] elements
-    // counts[GLTF_BUFFER_VIEWS] elements: the byteLength decompressed bytes; NULL: the view is not
-    // compressed.
+    // counts[GLTF_BUFFER_VIEWS] elements: the decompressed bytes of a view (byteLength of them);
+    // NULL: the view is not compressed.
     const uint8_t **decoded_views;
     // counts[GLTF_ACCESSORS] elements: the decompressed elements without gaps; NULL: the accessor
     // is not part of a compressed mesh.
@@ -71,7 +71,7 @@ void gltf_document_close(struct gltf_document *document); // accepts {0} and par
 // Sets ERR_SYSTEM with the file's name as prefix. Returns false.
 bool gltf_no_memory(const struct gltf_document *document, const char *what, uint64_t bytes,
                     struct err *err);
-// As in err.h, shows analysers that the value is false.
+// Shows static analysers that the result is false (see err.h).
 #define gltf_no_memory(...) (gltf_no_memory(__VA_ARGS__), err_false())
 
 // Returns element `index`, below document->counts[list], of one of the arrays. It is always an

@@ -1,5 +1,5 @@
-// Images of a glTF document (section 3.8.3) are located, identified by their content, and decoded
-// in parallel.
+// Loads the images of a glTF document (section 3.8.3): locates them, identifies them by their
+// content, and decodes them in parallel.
 #include "scene/gltf/gltf_material.h"
 
 #include "base/hash.h"
@@ -42,7 +42,7 @@ static bool find_bytes(const struct gltf_document *document, struct image_source
 }
 
 // Adds the image's place in the document to a message that begins with a file's name; the name of
-// an embedded image contains it already. Returns false.
+// an embedded image already contains this place. Returns false.
 static bool fail_image(const struct image_source *source, struct err *err)
 {
     return source->is_file ? node_prepend(&source->node, err) : err_false();
@@ -187,8 +187,8 @@ static bool adopt_image(struct gltf_load *load, struct image_job *job, struct er
     return true;
 }
 
-// Releases the images; they are decoded again later, one at a time, with all of the memory
-// available.
+// Releases the images, so that they can be decoded again one at a time, each with all of the
+// available memory.
 static void release(struct image_job *jobs, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

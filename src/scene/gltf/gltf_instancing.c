@@ -25,7 +25,8 @@ static const struct accessor_rule rules[ATTRIBUTE_COUNT] = {
                .is_vertex_attribute = true},
 };
 
-// The components of the transforms; NULL if the file omits one.
+// The components of the instances' transforms. The values of components that the file omits are
+// NULL.
 struct parts {
     struct arena arena;
     uint32_t count;
@@ -63,7 +64,7 @@ static bool read_part(struct gltf_load *load, const struct json_node *attributes
         return false;
     if (parts->count > 0 && view.count != parts->count)
         return node_fail(attributes, err,
-                         "%s has %u elements, another attribute %u; expected the same count",
+                         "%s has %u elements, another attribute has %u; expected the same count",
                          rule->use, view.count, parts->count);
     parts->count = view.count;
     parts->nodes[attribute] = view.node;

@@ -1,5 +1,5 @@
 // Lights of KHR_lights_punctual. Intensities are in candela and illuminances in lux in the file,
-// and in W/sr and W/m^2 in the scene. As with emission the numbers are not converted: exporters
+// and in W/sr and W/m^2 in the scene. As with emission, the numbers are not converted: exporters
 // disagree on whether they include 683 lm/W, and the spectrum is not specified.
 #include "scene/gltf/gltf_load.h"
 
@@ -52,8 +52,8 @@ static bool read_light(struct gltf_load *load, const struct json_node *node, str
     return light->kind != LIGHT_SPOT || read_cone(node, light, err);
 }
 
-// Places a light at its node's origin, shining along the node's -Z axis. The node's scale has no
-// other effect.
+// Places a light at its node's origin, shining along the node's -Z axis. The node's scale does not
+// change the intensity. *has_direction becomes false if the axis has length 0.
 static bool place_light(const struct json_node *holder, const double world[3][4],
                         struct light *light, bool *has_direction, struct err *err)
 {
@@ -61,7 +61,8 @@ static bool place_light(const struct json_node *holder, const double world[3][4]
         light->position[i] = world[i][3];
         light->direction[i] = -world[i][2];
         if (fabs(world[i][3]) > SCENE_COORDINATE_MAX)
-            return node_fail(holder, err, "the light's coordinate %g is beyond %g metres",
+            return node_fail(holder, err,
+                             "the light's coordinate is %g; expected at most %g metres",
                              world[i][3], SCENE_COORDINATE_MAX);
     }
     *has_direction = vec3_normalize(light->direction);

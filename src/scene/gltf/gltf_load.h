@@ -13,7 +13,7 @@ struct gltf_tally {
     uint32_t meshes_without_texcoords;
     uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
     uint32_t empty_primitives;
-    uint32_t clamped_colors, infinite_texcoords; // numbers of vertices, and of texture coordinates
+    uint32_t clamped_colors, infinite_texcoords; // numbers of colours, and of coordinates
     uint32_t ignored_channels, projective_joints, vertices_without_joints, instanced_skins;
     uint32_t orthographic_cameras, singular_cameras;
 };
@@ -63,7 +63,7 @@ struct gltf_load {
     uint32_t variant;                // selected variant of materials; GLTF_NONE: none
     uint32_t default_material;       // for primitives without one; SCENE_NONE until it is needed
     struct gltf_mesh_range *meshes;  // one for each glTF mesh
-    struct gltf_skin *skins;         // one for each of the file's; joints NULL: not read yet
+    struct gltf_skin *skins;         // one for each skin; joints NULL: not read yet
     struct gltf_node_pose *poses;    // one for each node; NULL: there is no animation
     struct gltf_vectors *vectors;    // one for each accessor
     uint32_t loaded_meshes;
@@ -93,7 +93,7 @@ bool gltf_light_load(struct gltf_load *load, const struct json_node *holder,
 // gltf_mesh.c: makes the scene's meshes for glTF mesh `index`, deformed by its morph targets with
 // these weights, which must live as long as the document. If the weights are the same as in the
 // last call for this mesh, returns that call's meshes again. A skin moves the meshes into the
-// world; such meshes are always new. skin NULL: they stay in their own space.
+// world; such meshes are always new. If `skin` is NULL, meshes stay in their own space.
 bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_weights *weights,
                     const struct gltf_skin *skin, struct gltf_mesh_range *out, struct err *err);
 
@@ -103,8 +103,8 @@ struct gltf_mesh_needs {
     uint64_t primitive_bytes; // bytes needed each time the mesh is converted
     uint32_t count;           // number of meshes of the scene that it becomes
 };
-// `seen` has one element per accessor, with a bit for each attribute as which the accessor is
-// already counted.
+// `seen` has one element per accessor. Its bit 1 << GLTF_POSITION … is set if the accessor is
+// already counted as that attribute.
 struct gltf_mesh_needs gltf_mesh_count(const struct gltf_document *document, uint32_t index,
                                        uint8_t *seen);
 
@@ -119,7 +119,8 @@ bool gltf_check_memory(const struct gltf_load *load, const struct gltf_nodes *no
 // 1 without the extension, 0 if it cannot be read.
 uint32_t gltf_instancing_count(const struct gltf_document *document, const struct json_node *node);
 // Adds instances of the scene's meshes `meshes` at the transforms of the node's
-// EXT_mesh_gpu_instancing, each followed by `world`. *found: the node has the extension.
+// EXT_mesh_gpu_instancing, each followed by `world`. *found becomes true if the node has the
+// extension.
 bool gltf_instancing_load(struct gltf_load *load, const struct json_node *node,
                           const double world[3][4], struct gltf_mesh_range meshes, bool *found,
                           struct err *err);
@@ -131,8 +132,8 @@ struct gltf_load_params {
     struct gltf_source source;
     const double (*place)[4]; // 3x4, from the file's world to the scene's
     bool with_cameras;
-    const char *variant;      // these three as in scene_load_params
-    const double *at_seconds; // these three are as in scene_load_params
+    const char *variant; // this and the next three members are as in scene_load_params
+    const double *at_seconds;
     const char *animation, *scene_name;
     const struct progress *progress; // NULL: no listener
 };

@@ -61,7 +61,7 @@ static bool read_metallic_roughness(struct gltf_material_reader *reader, struct 
 
 // KHR_materials_pbrSpecularGlossiness (archived) replaces metallic-roughness: a dielectric whose
 // reflectance at normal incidence is the specular colour, over a diffuse base that receives the
-// remaining light. The parameter is relative to the reflectance of the material's index of
+// remaining light. specular_color is relative to the reflectance of the material's index of
 // refraction, 1.5.
 static bool read_specular_glossiness(struct gltf_material_reader *reader,
                                      const struct json_node *object, struct err *err)

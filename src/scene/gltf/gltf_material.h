@@ -9,7 +9,7 @@ struct gltf_texture {
     struct gltf_texture *next; // next texture of the same material
     uint32_t image;            // index of the image in the document
     bool is_srgb;
-    float green[2];         // green becomes mix(green[0], green[1], green); both 0: unchanged
+    float green[2];         // channel g becomes mix(green[0], green[1], g); both 0: unchanged
     struct texture texture; // complete except for its image
 };
 

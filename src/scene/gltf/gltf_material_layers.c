@@ -29,7 +29,8 @@ static bool read_channel(const struct layer *layer, const char *key, uint32_t pa
 {
     int channels[4] = {-1, -1, -1, -1};
     channels[parameter % 4] = channel;
-    // Alpha is linear in either case; if the image also contains colours, both uses share it.
+    // Alpha is never sRGB-encoded. The flag lets the texture share its image with a texture of
+    // colours.
     const struct gltf_texture_use use = {
         .flags = texture_scales(parameter / 4, channels),
         .is_srgb = channel == 3,
@@ -80,8 +81,8 @@ static bool read_sheen(struct gltf_material_reader *reader, struct err *err)
 }
 
 // Reads the film's thickness: without a texture, the maximum; with a texture, mix(minimum, maximum,
-// green). In the latter case the parameter is the greater of both, and the texture is converted so
-// that it scales this.
+// green). With a texture, the parameter is the greater of the two, and green is converted to a
+// factor on the parameter.
 static bool read_film_thickness(const struct layer *layer, float *thickness, struct err *err)
 {
     const struct range thicknesses = {0, 1e6, false}; // nm; the range of film_thickness
@@ -117,9 +118,9 @@ static bool read_iridescence(struct gltf_material_reader *reader, struct err *er
 
 // --- the base's reflection -----------------------------------------------------------------------
 
-// An index of 0 stands for an infinite one: only KHR_materials_specular then limits the
-// reflectance. Specular-glossiness materials are exported in this form. As in these, the colour is
-// relative to the index 1.5.
+// An index of 0 stands for infinity, so that only KHR_materials_specular limits the reflectance.
+// Exporters convert specular-glossiness materials to this form. The material gets the index 1.5,
+// and read_specular() makes the colour relative to its reflectance.
 static bool read_ior(struct gltf_material_reader *reader, bool *is_infinite, struct err *err)
 {
     const struct range iors = {0, 100, false};
@@ -162,10 +163,10 @@ static bool read_specular(struct gltf_material_reader *reader, struct err *err)
 // The extension widens the lobe along the tangent, alpha_t = mix(alpha, 1, strength^2), and keeps
 // alpha_b = alpha. The parameters here are alpha' / aspect and alpha' aspect with aspect^2 = 1 -
 // 0.9 anisotropic (Burley 2012, addendum). With alpha'^2 = alpha_t alpha_b and aspect^2 = alpha_b /
-// alpha_t both agree, unless the ratio is below 1 / 10 or a texture scales the factors.
+// alpha_t, the two forms agree, unless the ratio is below 1 / 10 or a texture scales the factors.
 static bool read_anisotropy(struct gltf_material_reader *reader, struct err *err)
 {
-    const struct range turns = {-1e6, 1e6, false}; // more is not resolved
+    const struct range turns = {-1e6, 1e6, false}; // radians; larger angles lose precision
     static const char key[] = "anisotropyTexture";
     struct material *material = reader->material;
     struct layer layer;
@@ -229,8 +230,8 @@ static bool read_diffuse_transmission(struct gltf_material_reader *reader, struc
     return true;
 }
 
-// With a thickness, the surface is the boundary of a medium, whose actual thickness rays determine
-// by themselves. Without one, the surface is a thin sheet that does not refract.
+// With a thickness, the surface is the boundary of a medium, and rays find the actual thickness.
+// Without one, the surface is a thin sheet that does not refract.
 static bool read_volume(struct gltf_material_reader *reader, struct err *err)
 {
     const struct range lengths = {0, SCENE_COORDINATE_MAX, false};

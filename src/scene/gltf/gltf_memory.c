@@ -8,7 +8,7 @@
 struct tally {
     const struct gltf_load *load;
     struct gltf_mesh_needs *meshes; // one for each glTF mesh
-    bool *counted;                  // whether it is in `meshes` and its arrays are in `bytes`
+    bool *counted;                  // one for each glTF mesh: `meshes` and `bytes` include it
     uint8_t *seen;                  // one for each accessor, see gltf_mesh_count()
     uint64_t bytes;
 };

@@ -102,8 +102,8 @@ static bool allocate_triangles(struct gltf_load *load, const struct json_node *n
     return true;
 }
 
-// Stores the triangles. `sequence` is the order of the vertices; NULL: 0, 1, 2, … Strips repeat
-// vertices to turn, so triangles with a repeated vertex are omitted from them.
+// Stores the triangles. `sequence` is the order of the vertices; NULL: 0, 1, 2, … Triangles with a
+// repeated vertex are omitted from strips, which use them to turn, and from fans.
 static void write_triangles(struct mesh *mesh, enum primitive_mode mode, const uint32_t *sequence)
 {
     uint32_t count = 0;
@@ -265,7 +265,7 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_we
 
 // --- memory --------------------------------------------------------------------------------------
 
-// The readers above report errors in the file; here such parts count as nothing.
+// These functions ignore invalid parts of the file, because the readers above report them.
 
 static uint64_t new_vertex_bytes(const struct gltf_document *document,
                                  const struct json_node *attributes, uint8_t *seen)
@@ -330,7 +330,7 @@ static void count_primitive(const struct gltf_document *document, const struct j
         return;
     needs->vertex_bytes += new_vertex_bytes(document, &attributes, seen);
     needs->primitive_bytes += triangles * (uint64_t)sizeof *mesh->indices;
-    // All triangles of a strip may be omitted, so it is not certain to become a mesh.
+    // All triangles of an indexed strip or fan may be omitted, so it may not become a mesh.
     needs->count += triangles > 0 && (mode == MODE_TRIANGLES || !is_indexed);
 }
 

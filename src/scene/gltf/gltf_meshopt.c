@@ -73,7 +73,7 @@ static bool check_layout(const struct compressed *in, struct err *err)
         return node_fail(&in->node, err, "%llu indices of triangles; expected a multiple of 3",
                          count);
     if (in->mode != ATTRIBUTES && in->filter != NONE)
-        return node_fail(&in->node, err, "a filter of indices; expected \"NONE\"");
+        return node_fail(&in->node, err, "a filter is given for indices; expected \"NONE\"");
     if (in->filter == OCTAHEDRAL && stride != 4 && stride != 8)
         return node_fail(&in->node, err, "OCTAHEDRAL with a byteStride of %llu; expected 4 or 8",
                          stride);
@@ -92,11 +92,12 @@ static bool check_view(const struct json_node *view, const struct compressed *in
         !node_read_integer(view, "byteStride", 1, INT64_MAX, &stride, err))
         return false;
     if (length != size)
-        return node_fail(view, err, "byteLength %llu, but %llu elements of %llu bytes compressed",
+        return node_fail(view, err,
+                         "byteLength is %llu; expected the size of %llu elements of %llu bytes",
                          (unsigned long long)length, (unsigned long long)in->count,
                          (unsigned long long)in->stride);
     if (stride != in->stride)
-        return node_fail(view, err, "byteStride %llu, but %llu compressed",
+        return node_fail(view, err, "byteStride is %llu; expected %llu, as compressed",
                          (unsigned long long)stride, (unsigned long long)in->stride);
     return true;
 }
@@ -151,7 +152,7 @@ static bool decode_view(struct gltf_document *document, uint32_t index, struct e
     if (!data)
         return gltf_no_memory(document, "decompressed views", in.count * in.stride, err);
     if (!decode(&in, data))
-        return node_fail(&in.node, err, "its %zu bytes are not a valid stream of %llu elements",
+        return node_fail(&in.node, err, "the %zu bytes are not a valid stream of %llu elements",
                          in.size, (unsigned long long)in.count);
     apply_filter(&in, data);
     document->decoded_views[index] = data;

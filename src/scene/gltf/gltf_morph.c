@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-// Accessor rules of displacements: a tangent's has no sign, and a colour's may lack alpha.
+// Accessor rules of displacements. The displacement of a tangent has no sign, and that of a colour
+// may lack alpha.
 static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
     [GLTF_POSITION] = {.use = "displacements of POSITION",
                        .components = 3,
@@ -57,8 +58,9 @@ bool gltf_morph_count(struct gltf_load *load, uint32_t mesh, uint32_t *count, st
             return false;
         uint32_t its = (uint32_t)json_array_size(targets.value);
         if (i > 0 && its != *count)
-            return node_fail(&primitive, err, "%u morph targets, the primitives before have %u",
-                             its, *count);
+            return node_fail(&primitive, err,
+                             "has %u morph targets, but the primitives before have %u", its,
+                             *count);
         *count = its;
     }
     range->target_count = *count;

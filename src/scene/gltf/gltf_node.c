@@ -165,8 +165,8 @@ static bool check_acyclic(const struct gltf_document *document, const struct glt
 
 // --- the scene -----------------------------------------------------------------------------------
 
-// The nodes in the scene, parents before children. Nodes [0, count) are known; the children of
-// nodes below `next` have been added.
+// A traversal of the scene's nodes, parents before children. `order` holds the `count` nodes that
+// have been found; the children of the first `next` nodes are among them.
 struct walk {
     const struct gltf_nodes_params *params;
     uint32_t *order;

@@ -32,11 +32,12 @@ static bool read_joint(const struct gltf_nodes *nodes, const struct json_node *j
     if (!gltf_node_index(joints, i, nodes->count, node, err))
         return false;
     if (!nodes->is_in_scene[*node])
-        return node_fail(&element, err, "node %u is not in the scene that is shown", *node);
+        return node_fail(&element, err, "node %u is not in the scene that is loaded", *node);
     return true;
 }
 
-// The last row must be (0, 0, 0, 1) (section 3.7.3.1). As in viewers, other values are ignored.
+// Returns whether the last row is (0, 0, 0, 1), as section 3.7.3.1 requires. As in viewers, other
+// rows are ignored.
 static bool is_affine(const float m[16])
 {
     return fabsf(m[3]) <= FLT_EPSILON && fabsf(m[7]) <= FLT_EPSILON &&
@@ -105,7 +106,7 @@ const struct gltf_skin *gltf_skin_open(struct gltf_load *load, const struct gltf
 
 // --- weights -------------------------------------------------------------------------------------
 
-// A mesh while the weighted transforms of its vertices are summed.
+// The weighted sums of the joints' transforms, for the vertices of a mesh.
 struct blend {
     struct arena arena;
     const struct gltf_skin *skin;

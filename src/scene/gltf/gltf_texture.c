@@ -7,7 +7,7 @@
 
 // --- sampling ------------------------------------------------------------------------------------
 
-// The codes are those of WebGL. The specification's default comes first.
+// The codes are those of WebGL. In each list, the specification's default comes first.
 struct sampler_code {
     uint32_t code, meaning;
 };
@@ -24,7 +24,7 @@ static const struct sampler_code magnifications[] = {
     {9728, TEXTURE_NEAREST},
     {SAMPLER_CODES_END, 0},
 };
-// The minification filter is only checked: many samples per pixel have its effect.
+// The minification filter is only checked, because many samples per pixel have the same effect.
 static const struct sampler_code minifications[] = {
     {9729, 0}, {9728, 0}, {9984, 0}, {9985, 0}, {9986, 0}, {9987, 0}, {SAMPLER_CODES_END, 0},
 };
@@ -63,8 +63,8 @@ static bool read_sampler(const struct gltf_document *document, const struct json
     return true;
 }
 
-// Reads a transform. Because v points down, it rotates coordinates counter-clockwise, as the text
-// and the first example of the extension do.
+// Reads a transform. Because v points down, a rotation turns coordinates counter-clockwise, as in
+// the text and the first example of the extension.
 static bool read_transform(const struct json_node *transform, struct texture *texture,
                            struct err *err)
 {
@@ -82,8 +82,8 @@ static bool read_transform(const struct json_node *transform, struct texture *te
     return true;
 }
 
-// Reads the set of texture coordinates and their transform. A set given by the extension replaces
-// the other.
+// Reads the set of texture coordinates and their transform. A set given by KHR_texture_transform
+// has precedence.
 static bool read_coordinates(const struct json_node *info, struct texture *texture, struct err *err)
 {
     struct json_node extensions, transform;
@@ -119,8 +119,8 @@ static bool is_same_transform(const struct texture *a, const struct texture *b)
     return true;
 }
 
-// Returns whether one fetch serves both textures: the same image, sampled in the same way, scaling
-// the same group.
+// Returns whether one texture lookup serves both: they sample the same image in the same way and
+// scale different parameters of the same group.
 static bool can_merge(const struct gltf_texture *a, const struct gltf_texture *b)
 {
     const uint32_t differing = SCALES_MASK | CHANNELS_MASK;
@@ -137,7 +137,8 @@ static bool append_texture(struct gltf_material_reader *reader, const struct glt
     struct gltf_material *state = reader->state;
     for (struct gltf_texture *other = state->first_texture; other; other = other->next)
         if (can_merge(other, texture)) {
-            // The channels of parameters that a texture does not scale are 0.
+            // The flags can be combined, because the channels of parameters that a texture does not
+            // scale are 0.
             other->texture.flags |= texture->texture.flags;
             return true;
         }
@@ -202,7 +203,7 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
         !read_coordinates(&info, &texture.texture, err))
         return false;
     if (texture.image == GLTF_NONE) {
-        // The image may be named by an unsupported extension only.
+        // Perhaps only an unsupported extension names the image.
         reader->load->tally.textures_without_image++;
         return true;
     }
@@ -211,8 +212,8 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
 
 // --- textures of the scene -----------------------------------------------------------------------
 
-// Removes scales without effect: of a parameter that is 0, or that is 1 if 1 - parameter is scaled.
-// Returns false when the texture has no effect left.
+// Removes factors without effect: those on a parameter that is 0, and those on 1 - parameter if the
+// parameter is 1. Returns false when the texture has no effect left.
 static bool keep_what_matters(const struct material *material, struct texture *texture)
 {
     if (!texture_is_scale(texture))
@@ -226,11 +227,11 @@ static bool keep_what_matters(const struct material *material, struct texture *t
     return scaled(texture) != 0;
 }
 
-// The distinct images of the used textures and, for each texture in order, the index of its image.
+// The distinct images of the used textures.
 struct image_list {
     struct gltf_image *images;
     uint32_t count;
-    uint32_t *by_source; // linear and sRGB, by image: 1 + index in `images`; 0: none
+    uint32_t *by_source; // [2 source + is_srgb]: 1 + index in `images`; 0: none
 };
 
 static void find_image(struct image_list *list, const struct gltf_texture *texture, uint32_t *index)
@@ -251,7 +252,7 @@ static void find_image(struct image_list *list, const struct gltf_texture *textu
     };
 }
 
-// Called for each texture of a used material that has an effect.
+// Called for each texture that has an effect on a used material.
 typedef bool visit_fn(struct gltf_load *load, struct image_list *list, struct material *material,
                       struct gltf_texture *texture, struct err *err);
 

@@ -48,9 +48,9 @@ static bool fail_unknown(const struct gltf_load *load, const struct variant_list
     }
     const char *path = load->document.source->path;
     if (list->count == 0)
-        return err_set(err, ERR_USAGE, "%s: no variant \"%.64s\": the file has none", path, wish);
-    return err_set(err, ERR_USAGE, "%s: no variant \"%.64s\"; the file has: %s%s", path, wish,
-                   known, length < sizeof known ? "" : "…");
+        return err_set(err, ERR_USAGE, "%s: has no variant \"%.64s\" and no others", path, wish);
+    return err_set(err, ERR_USAGE, "%s: has no variant \"%.64s\", but %s%s", path, wish, known,
+                   length < sizeof known ? "" : "…");
 }
 
 bool gltf_variant_find(struct gltf_load *load, const char *name, struct err *err)
@@ -73,7 +73,7 @@ bool gltf_variant_find(struct gltf_load *load, const char *name, struct err *err
     return fail_unknown(load, &list, name, err);
 }
 
-// Reads a mapping. *found: it contains the selected variant.
+// Reads a mapping. *found becomes whether it contains the selected variant.
 static bool read_mapping(const struct gltf_load *load, const struct json_node *mapping,
                          uint32_t variant_count, bool *found, uint32_t *material, struct err *err)
 {

@@ -74,7 +74,8 @@ static bool load_camera(struct gltf_load *load, uint32_t index, const struct jso
         return false;
     for (int i = 0; i < 3; i++)
         if (fabs(world[i][3]) > SCENE_COORDINATE_MAX)
-            return node_fail(holder, err, "the camera's coordinate %g is beyond %g metres",
+            return node_fail(holder, err,
+                             "the camera's coordinate is %g; expected at most %g metres",
                              world[i][3], SCENE_COORDINATE_MAX);
     if (!place_camera(world, &camera)) {
         load->tally.singular_cameras++;
@@ -166,8 +167,8 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
     const struct gltf_document *document = &load->document;
     const struct gltf_tally *t = &load->tally;
     const struct note notes[] = {
-        {t->specular_glossy, "specular-glossiness materials are shown as dielectrics with that "
-                             "reflectance"},
+        {t->specular_glossy, "specular-glossiness materials are shown as dielectrics with their "
+                             "specular reflectance"},
         {t->coat_normals,
          "materials: the normals of the clear coat are approximated by the base's"},
         {t->anisotropic, "materials: anisotropy is approximated"},
@@ -199,7 +200,7 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
     };
     bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]);
     if (noted && document->ignored_extensions)
-        noted = scene_note(load->scene, "%s: ignored extensions: %s",
+        noted = scene_note(load->scene, "%s: unsupported extensions are ignored: %s",
                            path_name(document->source->path), document->ignored_extensions);
     return noted || gltf_no_memory(document, "notes", sizeof(char *), err);
 }

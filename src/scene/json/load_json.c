@@ -20,7 +20,7 @@ static bool check_version(const struct json_node *document, struct err *err)
                          FORMAT_VERSION);
     if (json_is_integer(version.value) && json_integer_value(version.value) == FORMAT_VERSION)
         return true;
-    return node_fail(&version, err, "format version %s; this program reads %d",
+    return node_fail(&version, err, "is format version %s; this program reads version %d",
                      node_describe(version.value).text, FORMAT_VERSION);
 }
 

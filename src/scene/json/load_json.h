@@ -9,8 +9,8 @@
 #include "scene/generate/figure.h"
 #include "scene/generate/generate.h"
 
-// The maximum size of a scene file; meshes and images are in files of their own. jansson's tree
-// needs up to some thirty times the size of the text, outside of the scene's memory budget.
+// The maximum size of a scene file in bytes; meshes and images have their own files. jansson's tree
+// needs up to about thirty times the size of the text, which the memory budget does not include.
 #define LOAD_JSON_BYTES_MAX ((size_t)64 << 20)
 
 struct json_loader {
@@ -29,8 +29,8 @@ struct json_loader {
 bool load_json_apply_overrides(const struct json_node *document,
                                const struct scene_load_params *params, json_t *trusted,
                                struct err *err);
-// Parses the value of an override as JSON; if that fails, the text is the value. Returns NULL with
-// *err set if the text is not UTF-8.
+// Parses the value of an override as JSON; if that fails, the value is the text as a string.
+// Returns NULL with *err set if the text is not UTF-8.
 json_t *load_json_override_value(const char *text, struct err *err);
 bool load_json_resolve_references(const struct json_node *document, struct err *err);
 
@@ -65,7 +65,7 @@ load_json_shape_fn load_json_torus, load_json_stadium, load_json_figure;
 load_json_shape_fn load_json_phong_spheres; // uses materials of its own
 load_json_shape_fn load_json_sdf;           // placed by its own transforms
 
-// Read the parameters of the last five kinds of meshes; the functions above call them.
+// Read the parameters of generated meshes, for the functions above and load_json_check_memory().
 bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
                               struct err *err);
 bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err);
@@ -137,8 +137,8 @@ bool load_json_direction(const struct json_node *object, const double position[3
                          double direction[3], struct err *err);
 
 // Returns the path given by the string at `key`. It must lie in the scene file's folder unless it
-// came from the command line or the user permits others. Returns NULL with *err set on failure. The
-// path lives in the scene's arena.
+// came from the command line or the user permits other folders. Returns NULL with *err set on
+// failure. The path lives in the scene's arena.
 const char *load_json_path(struct json_loader *loader, const struct json_node *object,
                            const char *key, struct err *err);
 

@@ -113,7 +113,7 @@ bool load_json_plane(struct scene *scene, const struct json_node *plane, uint32_
         vec3_cross(up, n, shape.axes[1]);
     else
         shape.axes[1][0] = 1;
-    return (make_orthogonal(n, shape.axes[1]) || err_set(err, ERR_BUG, "a plane without axes")) &&
+    return (make_orthogonal(n, shape.axes[1]) || err_set(err, ERR_BUG, "the plane has no axes")) &&
            add_shape(scene, &shape, err);
 }
 
@@ -177,7 +177,8 @@ bool load_json_cylinder(struct scene *scene, const struct json_node *cylinder, u
 
 // --- quad, box -----------------------------------------------------------------------------------
 
-// The tolerance for right angles and equal edges; numbers in files have six digits or more.
+// The relative tolerance for right angles and equal lengths. Numbers in files may have only six
+// digits.
 #define SHAPE_TOLERANCE 1e-5
 
 static bool check_edge(const struct json_node *node, const double half_edge[3], struct err *err)
@@ -216,11 +217,11 @@ bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
         size = fmax(size, fmax(fabs(shape.axes[0][c]), fabs(shape.axes[1][c])));
     }
     if (!(gap <= SHAPE_TOLERANCE * size))
-        return node_fail(
-            quad, err,
-            "the vertices do not form a parallelogram: its diagonals miss each other by %.9g; "
-            "expected one, or \"as\": \"triangles\"",
-            gap);
+        return node_fail(quad, err,
+                         "the vertices do not form a parallelogram, because the middles of the "
+                         "diagonals are %.9g "
+                         "apart; expected a parallelogram, or \"as\": \"triangles\"",
+                         gap);
     return check_area(quad, &shape, err) && add_shape(scene, &shape, err);
 }
 
@@ -282,7 +283,7 @@ static bool move_quad(const struct json_node *node, const double m[3][4], struct
 {
     affine_vector(m, shape->axes[0], shape->axes[0]);
     affine_vector(m, shape->axes[1], shape->axes[1]);
-    // A reflection must not exchange the two sides of the disc or plane.
+    // A reflection must not exchange the two sides of the quad.
     if (affine_determinant(m) < 0)
         for (int c = 0; c < 3; c++)
             shape->axes[0][c] = -shape->axes[0][c];

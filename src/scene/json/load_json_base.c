@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The maximum depth of nesting; deeper nesting is an error, which also catches files that name
+// The maximum number of bases in a chain. More are an error, which also catches files that name
 // themselves.
 #define BASE_DEPTH_MAX 8
 
@@ -144,8 +144,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
     scene->up = base->load.up;
     if (base->load.base_depth > BASE_DEPTH_MAX)
         return node_fail(&file, err,
-                         "is the base of %d files, each the base of the next; expected at most %d "
-                         "(does one name itself?)",
+                         "ends a chain of %d bases; expected at most %d (does a file name itself?)",
                          BASE_DEPTH_MAX + 1, BASE_DEPTH_MAX);
     struct err problem = {0};
     if (!loader->load_base(scene, &base->load, &problem)) {
@@ -164,7 +163,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
 
 // --- the differences -----------------------------------------------------------------------------
 
-// Keeps the base, so that differences from it can be found later.
+// Copies the environment and the lights of the base, so that differences can be found later.
 static bool keep_base(struct scene *scene, struct scene_base *base, struct err *err)
 {
     base->environment = scene->environment;

@@ -93,7 +93,8 @@ static bool read_field_of_view(const struct json_node *node, struct camera *came
     return true;
 }
 
-// Computes the distance, along the direction, of the plane through the point that is in focus.
+// Reads the focus distance, or computes it as the distance along the viewing direction of the point
+// in focus.
 static bool read_focus(const struct json_node *node, struct camera *camera, struct err *err)
 {
     double point[3], to_point[3];
@@ -192,7 +193,7 @@ static bool read_kind(const struct json_node *node, struct camera *camera, struc
     if (!node_member(node, "height").value)
         return node_fail(
             node, err,
-            "\"height\" is missing: expected the height of the visible region in metres");
+            "\"height\" is missing; expected the height of the visible region in metres");
     return node_read_number(node, "height", RANGE_RADIUS, &camera->height, err);
 }
 

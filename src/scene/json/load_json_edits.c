@@ -41,7 +41,7 @@ static bool find_index(const struct json_node *node, const char *what, uint32_t 
     return true;
 }
 
-// Finds the only element with that name.
+// Finds the element with the name `node`, which must be unique.
 static bool find_name(const struct scene *scene, const struct json_node *node,
                       const struct list *list, uint32_t *index, struct err *err)
 {
@@ -59,7 +59,7 @@ static bool find_name(const struct scene *scene, const struct json_node *node,
     if (found == 0)
         return node_fail(node, err, "the base has no %s %s", list->what,
                          node_describe(node->value).text);
-    return node_fail(node, err, "the base has %u named %s; expected \"index\" instead", found,
+    return node_fail(node, err, "the base has %u elements named %s; expected \"index\"", found,
                      node_describe(node->value).text);
 }
 
@@ -154,7 +154,7 @@ static bool make_unit(const struct json_node *object, const char *key, bool may_
            node_fail(&node, err, "is zero; expected a direction");
 }
 
-// Rejects the radiance key of another kind of light.
+// Rejects "intensity" for directional lights, and "irradiance" for all others.
 static bool check_radiant(const struct json_node *node, const struct light *light, struct err *err)
 {
     bool is_directional = light->kind == LIGHT_DIRECTIONAL;
@@ -180,7 +180,7 @@ static bool read_profile(const struct json_node *node, struct light *light, stru
     double along = vec3_dot(light->profile_x, light->direction);
     return !light->profile || fabs(along) <= (double)FLT_EPSILON ||
            node_fail(x.value ? &x : node, err,
-                     "profile_x is not at a right angle to the direction: their product is %.9g",
+                     "profile_x is not at a right angle to the direction; the dot product is %.9g",
                      along);
 }
 
@@ -256,8 +256,8 @@ static bool read_span(const struct json_node *node, uint32_t total, uint32_t *fi
         !node_read_integer(node, "count", 1, UINT32_MAX, &number, err))
         return false;
     if (number > total - *first)
-        return node_fail(&count_node, err, "there are %u objects from index %u on", total - *first,
-                         *first);
+        return node_fail(&count_node, err, "exceeds the %u objects from index %u on",
+                         total - *first, *first);
     *count = (uint32_t)number;
     return true;
 }
@@ -340,8 +340,8 @@ static bool edit_environment(struct json_loader *loader, const struct json_node 
     struct environment *environment = &loader->scene->environment;
     if (!environment->present)
         return node_fail(node, err,
-                         "there is no environment to edit; \"environment\" beside \"base\" "
-                         "gives one");
+                         "there is no environment to edit; expected \"environment\" beside "
+                         "\"base\"");
     if (!node_check_object(node, none, keys, err) ||
         !fields_read(scene_environment_fields, 2, node, environment, err))
         return false;
@@ -352,7 +352,7 @@ static bool edit_environment(struct json_loader *loader, const struct json_node 
                      SCENE_RADIANCE_MAX);
 }
 
-// --- all of them ---------------------------------------------------------------------------------
+// --- the whole section ---------------------------------------------------------------------------
 
 // Calls `edit` for each element in order, so that later edits continue from earlier ones.
 static bool edit_each(struct json_loader *loader, const struct json_node *list, load_json_fn *edit,
@@ -370,7 +370,7 @@ static bool edit_each(struct json_loader *loader, const struct json_node *list, 
     return true;
 }
 
-// Keeps copies of the materials and objects that the section edits.
+// Copies the materials and objects before they are edited, so that differences can be found later.
 static bool keep_former(struct json_loader *loader, bool has_materials, bool has_objects,
                         struct err *err)
 {

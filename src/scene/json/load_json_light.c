@@ -24,7 +24,7 @@ static const struct {
                            {"name", "angular_diameter_degrees"}},
 };
 
-// the default, as in glTF
+// The default outer angle of a spot light, as in glTF.
 #define SPOT_OUTER_DEGREES 45
 
 bool load_json_check_light(const struct json_node *node, const struct light *light, struct err *err)
@@ -39,7 +39,7 @@ bool load_json_check_light(const struct json_node *node, const struct light *lig
                          outer);
     if (degrees > 0 && degrees < ENVIRONMENT_SUN_DIAMETER_MIN)
         return node_fail(diameter, err,
-                         "%.9g is below %g; expected 0, for a delta light, or more than that",
+                         "%.9g is below %g; expected 0 for a delta light, or at least that",
                          degrees, ENVIRONMENT_SUN_DIAMETER_MIN);
     for (int c = 0; c < 3 && degrees > 0 && light->kind == LIGHT_DIRECTIONAL; c++) {
         double radiance =
@@ -51,8 +51,9 @@ bool load_json_check_light(const struct json_node *node, const struct light *lig
     return true;
 }
 
-// Places the profile's plane at 0 degrees: it contains the world's x axis, or its z axis if light
-// travels along the x axis, and is rotated counter-clockwise as seen against the direction.
+// Places the half-plane in which the profile's horizontal angle is 0. It contains the projection of
+// the world's x axis, or of the z axis if light travels along the x axis. Then it is rotated
+// counter-clockwise as seen against the direction of the light.
 static void place_profile(struct light *light, double rotation_degrees)
 {
     const double *d = light->direction;

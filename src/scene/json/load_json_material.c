@@ -71,7 +71,7 @@ static bool check_model(const struct json_node *material, const char *key, uint3
     const struct json_node node = node_member(material, key);
     if (!node.value || (models & ONLY(model)))
         return true;
-    return node_fail(&node, err, "is not for \"type\": \"%s\" but for: %s",
+    return node_fail(&node, err, "is not for \"type\": \"%s\"; it is for %s",
                      material_model_names[model], list_models(models).text);
 }
 
@@ -122,8 +122,8 @@ static void set_fallbacks(struct material *material)
         material->roughness = 0.0f;
 }
 
-// Reads "smoothness": the exponent of the classical models on a perceptually even scale of the
-// highlight's width.
+// Reads "smoothness" s, which sets the exponent of the classical models to 1000^(s^2). On this
+// scale, the highlight's width changes perceptually evenly.
 static bool read_smoothness(const struct json_node *node, struct material *material,
                             struct err *err)
 {
@@ -139,8 +139,9 @@ static bool read_smoothness(const struct json_node *node, struct material *mater
     return true;
 }
 
-// Measured by P. B. Johnson and R. W. Christy, "Optical Constants of the Noble Metals", Physical
-// Review B 6 (1972), 4370-4379, at 616.8, 548.6 and 450.9 nm (2.01, 2.26 and 2.75 eV).
+// The complex indices of refraction of copper, gold and silver for red, green and blue, measured by
+// P. B. Johnson and R. W. Christy, "Optical Constants of the Noble Metals", Physical Review B 6
+// (1972), 4370-4379, at 616.8, 548.6 and 450.9 nm (2.01, 2.26 and 2.75 eV).
 static const struct {
     float eta[3], k[3];
 } metals[] = {
@@ -188,8 +189,8 @@ static bool read_alpha(const struct scene *scene, const struct json_node *node,
     return true;
 }
 
-// Reads the masking function: Smith's, for both directions together or separately; the microfacet
-// model also has others.
+// Reads the masking function: Smith's joint or separable function, or for the microfacet model, one
+// of several others.
 static bool read_masking(const struct json_node *node, struct material *material, struct err *err)
 {
     static const char *const names[] = {
@@ -214,8 +215,7 @@ static bool read_masking(const struct json_node *node, struct material *material
     return true;
 }
 
-// Reads the coat. Burley's coat and glTF's differ; giving the roughness of glTF's coat selects that
-// one.
+// Reads the coat. "clearcoat_roughness" selects glTF's coat instead of Burley's.
 static bool read_coat(const struct json_node *node, struct material *material, struct err *err)
 {
     if (!node_member(node, "clearcoat_roughness").value)
@@ -228,7 +228,7 @@ static bool read_coat(const struct json_node *node, struct material *material, s
     return true;
 }
 
-// Reads the exponent of Phong's distribution of normals, which is given in place of the roughness.
+// Reads the exponent of Phong's distribution of normals, which replaces the roughness.
 static bool read_phong_exponent(const struct json_node *node, struct material *material,
                                 struct err *err)
 {
@@ -247,7 +247,7 @@ static bool read_phong_exponent(const struct json_node *node, struct material *m
     return true;
 }
 
-// Reads choices and switches whose values in files are those in memory.
+// Reads the choices and switches that material_flags[] describes completely.
 static bool read_flags(const struct json_node *node, struct material *material, struct err *err)
 {
     static const char *const keys[] = {"layers",  "thin",    "compensate",       "distribution",
@@ -311,8 +311,8 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
            read_phong_exponent(node, material, err) && read_inside(node, material, err);
 }
 
-// Copies to a material that is "like" an earlier one the keys of that material which it does not
-// set itself. The values are shared, so that paths in them stay trusted if the user gave them.
+// If a material is "like" an earlier one, adds the earlier material's keys that it does not set
+// itself. The values are shared, so that paths in them stay trusted if the user gave them.
 static bool inherit(struct json_loader *loader, const struct json_node *materials,
                     struct json_node *node, struct err *err)
 {

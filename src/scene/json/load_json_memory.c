@@ -21,10 +21,10 @@ struct needs {
 struct needs_list {
     struct needs *items; // one for each element so far
     json_t *names;       // object: index of each named element
-    // Sums over all elements so far: bytes of meshes, elements of the scene's arrays, and capacity
-    // of these arrays.
+    // For all elements so far: bytes of meshes, elements of the scene's arrays, and the capacity
+    // that these arrays need.
     uint64_t bytes, instances, shapes, instance_room, shape_room;
-    uint64_t peak;
+    uint64_t peak; // maximum memory in bytes so far
 };
 
 // --- one shape -----------------------------------------------------------------------------------

@@ -144,8 +144,8 @@ bool load_json_apply_overrides(const struct json_node *document,
 
 // --- references ----------------------------------------------------------------------------------
 
-// Returns whether the text is "${NAME}", and copies NAME to `name`. *malformed: the text contains
-// "${" elsewhere.
+// Returns whether the text is "${NAME}", and copies NAME to `name`. *malformed becomes true if the
+// text contains "${" in another form.
 static bool is_reference(const char *text, char name[MAX_STEP + 1], bool *malformed)
 {
     size_t length = strlen(text);
@@ -171,7 +171,8 @@ static bool resolve_string(const struct json_node *node, json_t *definitions, st
     char name[MAX_STEP + 1];
     bool malformed;
     if (!is_reference(json_string_value(node->value), name, &malformed))
-        return !malformed || node_fail(node, err, "a reference is a whole string: \"${NAME}\"");
+        return !malformed ||
+               node_fail(node, err, "a reference must be the whole string: \"${NAME}\"");
     json_t *definition = json_object_get(definitions, name);
     if (!definition)
         return node_fail(node, err, "${%s} is not defined%s", name,
@@ -244,7 +245,7 @@ static bool check_definitions(const struct json_node *definitions, struct err *e
         if (!node_check_name(&definition, name, err))
             return false;
         if (json_is_null(value))
-            return node_fail(&definition, err, "has no default: give it with -D %s=VALUE", name);
+            return node_fail(&definition, err, "has no default; give it with -D %s=VALUE", name);
         if (has_reference(value))
             return node_fail(&definition, err, "a definition cannot refer to another");
     }

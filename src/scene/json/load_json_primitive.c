@@ -5,11 +5,12 @@
 #include "scene/generate/generate.h"
 #include <string.h>
 
-// This exceeds any memory that loading may use; a message about the number is clearer than one
-// about exhausted memory.
+// Larger meshes need several gigabytes. A message about the number is clearer than one about
+// exhausted memory.
 #define GENERATED_TRIANGLES_MAX 200000000
 
-// The default: 16,000 triangles look smooth at a size of some hundred pixels.
+// The default number of cells per side of a patch. The resulting 16,000 triangles look smooth at a
+// size of some hundred pixels.
 #define TEAPOT_RESOLUTION 16
 
 // Appends a mesh of convex quadrilaterals, and an instance of it. Each quadrilateral has its
@@ -109,10 +110,10 @@ bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t 
 bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t material,
                    struct err *err)
 {
-    // Corner c takes max along x, y, z if bits 0, 1, 2 of c are set, else min. For each of the
-    // faces -x, +x, -y, +y, -z, +z: its corners, counter-clockwise from outside, and the index of
-    // the corner at the texture's lower left. The sides show the texture upright, the top with its
-    // upper edge at -z, the bottom with its upper edge at +z.
+    // Corner c takes max along x, y, z if bits 0, 1, 2 of c are set, else min. Each of the faces
+    // -x, +x, -y, +y, -z, +z has its corners, counter-clockwise from outside, and the index of its
+    // first corner in picture_corners. The sides show the texture upright, the top with its upper
+    // edge at -z, the bottom with its upper edge at +z.
     static const struct {
         uint8_t corners[4], first;
     } faces[6] = {

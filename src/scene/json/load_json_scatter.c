@@ -154,8 +154,8 @@ static bool read_scatter(struct json_loader *loader, const struct json_node *nod
     return read_kinds(loader, &kinds, strewn, err);
 }
 
-// Chooses the material of a sphere. Its random number falls into one kind's share of the weights,
-// and its position in that share selects the copy.
+// Chooses the material of a sphere. The random number `choice` falls into one kind's share of the
+// weights, and its position in that share selects the copy.
 static uint32_t choose_material(const struct strewn *strewn, uint32_t choice)
 {
     double sum = 0, at;

@@ -10,7 +10,7 @@
 #define DEPTH_MOST 64 // maximum depth of the tree
 #define LIST_MOST SDF_CODE_MAX
 #define BALLS_MOST (4 * (SDF_CODE_MAX - 1))
-#define COUNTS_MOST 1000000001 // maximum number of cells: single precision distinguishes no more
+#define COUNTS_MOST 1000000001 // maximum number of cells that single precision distinguishes
 
 struct reader {
     struct scene *scene;
@@ -133,7 +133,7 @@ static bool read_plane(const struct json_node *node, struct sdf_node *n, struct 
            node_read_number(node, "height", RANGE_COORDINATE, &n->b[0], err);
 }
 
-// The bound of |gradient| / k of sin x cos y + sin y cos z + sin z cos x; see
+// An upper bound of |gradient| / k for the field sin x cos y + sin y cos z + sin z cos x; see
 // docs/distance-fields.md.
 #define GYROID_GRADIENT 1.7320508075688774
 
@@ -236,8 +236,8 @@ static bool read_children(struct reader *reader, struct sdf_node *n, bool is_lis
     return true;
 }
 
-// Reads "counts", the number of cells along each axis, which is odd: the middle cell is at the
-// child's position.
+// Reads "counts", the number of cells along each axis, which is odd, because the middle cell is at
+// the child's position.
 static bool read_repeat(const struct json_node *node, struct sdf_node *n, struct err *err)
 {
     const struct json_node list = node_member(node, "counts");
@@ -375,7 +375,7 @@ static bool read_placement(const struct json_node *node, struct sdf_node *n, str
                       RANGE_RADIUS.min));
 }
 
-// Adds a shell to a packing, which is a surface without thickness.
+// Thickens an Apollonian packing, which is a surface without thickness, by an offset.
 static bool thicken(struct reader *reader, const struct json_node *node, struct sdf_node *n,
                     struct err *err)
 {
@@ -451,8 +451,8 @@ static bool note_cut(struct reader *reader, const struct json_node *bounds, cons
         return true;
     struct err text = {0};
     node_fail(bounds, &text,
-              "cuts the field open: it has no surface there; an intersection with a box would "
-              "close it");
+              "cuts the field open, so that there is no surface at the cut; an intersection with a "
+              "box would close it");
     return scene_note(reader->scene, "%s", text.msg) || err_memory(err, "a note", sizeof text.msg);
 }
 

@@ -45,7 +45,7 @@ static bool load_file(struct json_loader *loader, const char *path, uint32_t mat
            scene_place_meshes(scene, mesh, 1, err);
 }
 
-// Places a mesh that the program has given in arrays.
+// Places a mesh that the calling program provides in arrays.
 static bool load_named_array(struct json_loader *loader, const struct json_node *node,
                              uint32_t material, struct err *err)
 {
@@ -162,7 +162,7 @@ static bool register_name(struct json_loader *loader, const struct json_node *sh
     if (!node_check_name(&node, name, err))
         return false;
     if (json_object_get(loader->shape_names, name))
-        return node_fail(&node, err, "another shape is named \"%s\" already", name);
+        return node_fail(&node, err, "another shape is already named \"%s\"", name);
     return json_object_set_new(loader->shape_names, name, json_integer((json_int_t)index)) == 0 ||
            err_memory(err, "a name", strlen(name));
 }
@@ -205,8 +205,8 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
     return err_set(err, ERR_BUG, "shape type %d has no loader", (int)type);
 }
 
-// Makes a part visible or hidden. Without a key of its own, an instance of a hidden part is
-// visible.
+// Makes a part visible or hidden. An instance of a hidden part is visible unless its own "visible"
+// is false.
 static void set_visible(struct scene *scene, const struct scene_part *part, bool visible)
 {
     for (uint32_t i = 0; i < part->instance_count; i++)

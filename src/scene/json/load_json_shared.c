@@ -1,4 +1,4 @@
-// Reads keys, ranges, names and paths, which several sections of a scene file share.
+// Keys and ranges, and readers of names and paths, that several sections of a scene file share.
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -50,7 +50,7 @@ bool load_json_find_part(const struct json_loader *loader, const struct json_nod
 
 // --- paths ---------------------------------------------------------------------------------------
 
-// Returns whether `wanted` is `value` itself, or inside it. Identity counts, not equality.
+// Returns whether `wanted` is `value` itself, or inside it. Compares pointers, not contents.
 static bool contains_value(const json_t *value, const json_t *wanted)
 {
     if (value == wanted)

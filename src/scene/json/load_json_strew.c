@@ -1,4 +1,4 @@
-// Scattered copies of named shapes on a disc or a rectangle: trees, stones.
+// Scattered copies of named shapes, such as trees or stones, on a disc or a rectangle.
 #include "scene/json/load_json.h"
 
 #include "scene/core/affine.h"
@@ -44,9 +44,9 @@ static void draw_direction(struct strew *strew, uint32_t copy, double out[2])
 // --- places --------------------------------------------------------------------------------------
 
 // A low-discrepancy sequence by Roberts (2018, "The unreasonable effectiveness of quasirandom
-// sequences"). With the plastic number p, steps of 1/p and 1/p^2 are spread evenly for any count.
-// Each position is moved at random by up to a fifth of the mean distance, so that no rows are
-// visible.
+// sequences"). Its steps are 1/p and 1/p^2 with the plastic number p; the multiples of these,
+// modulo 1, are spread evenly for any count. Each position is moved at random by up to a fifth of
+// the mean distance, so that no rows are visible.
 static const double steps[2] = {0.7548776662466927, 0.5698402909980532};
 #define MOVE 0.2
 

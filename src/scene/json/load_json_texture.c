@@ -15,8 +15,8 @@ struct texture_entry {
     struct texture texture;       // all members but the image
     int channels[GROUP_COUNT][4]; // channel that scales each parameter; -1: none
     bool invert;
-    // True if the entry scales parameters that images store as sRGB-encoded colours, and whether it
-    // scales parameters that they store as linear numbers.
+    // Whether the entry scales parameters that images store as sRGB-encoded colours, and whether it
+    // scales parameters that images store as linear numbers.
     bool has_colors, has_data;
 };
 

@@ -1,4 +1,4 @@
-// The placement of a shape: a step, or a list of steps in the order in which they apply.
+// The "transform" of a shape: a step, or a list of steps in the order in which they apply.
 #include "scene/json/load_json.h"
 
 #include "base/maths.h"

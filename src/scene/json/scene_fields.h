@@ -17,11 +17,11 @@ struct scene_fields {
 struct field scene_parameter_field(uint32_t parameter);
 // Lists all fields of a material that may be edited: the model ("type"), parameters, flags, medium.
 void scene_material_fields(struct scene_fields *out);
-// Lists the fields of a light. The name of its power depends on the kind. The first field is the
-// kind itself.
+// Lists the fields of a light. The first field is the kind. The key of `radiant` depends on the
+// kind: "intensity" or "irradiance".
 void scene_light_fields(uint32_t kind, struct scene_fields *out);
-// Lists the fields that this camera uses. The fields of a lens of radius 0 are included as far as
-// the format permits them.
+// Lists the fields that this camera uses. The fields of a lens of radius 0 are included if the
+// focus distance is within 1e-9 to 1e9 m.
 void scene_camera_fields(const struct camera *camera, struct scene_fields *out);
 
 extern const struct field scene_placement_fields[4]; // about, move, turn_degrees, scale
@@ -44,7 +44,7 @@ extern const struct scene_base_text scene_base_texts[3];
 const char *scene_material_name(const struct scene *scene, uint32_t material);
 const char *scene_light_name(const struct scene *scene, uint32_t light);
 
-// Alternative fields of cameras, which replace other keys of a file.
+// Fields of cameras that load_json_camera() reads one by one, because other keys may replace them.
 extern const struct field scene_fov_field, scene_aperture_field, scene_blade_rotation_field;
 
 #endif

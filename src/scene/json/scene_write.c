@@ -105,7 +105,7 @@ static const char *path_from_folder(struct writer *w, const char *path, struct e
         w->is_outside = true;
         return real;
     }
-    // "./" prevents a name with a colon from looking like a scheme.
+    // "./" prevents a name with a colon from looking like a URI scheme.
     const char *relative = real + length + 1;
     const char *named =
         strchr(relative, ':') ? arena_printf(&w->arena, "./%s", relative) : relative;
@@ -415,7 +415,7 @@ static bool is_same_file(const char *a, const char *b)
     return file_status(a, &x) && file_status(b, &y) && file_status_same(&x, &y);
 }
 
-// Checks the name, and that the file is none of those on which the scene is based.
+// Checks the name, and that the file is not one on which the scene is based.
 static bool check_path(const struct writer *w, struct err *err)
 {
     const char *path = w->params->path;

@@ -8,8 +8,9 @@
 
 // After scene_load() the following may be edited:
 // - materials: all members but names and textures;
-// - lights: all members but names and profiles, which may only be removed;
-// - instances and shapes: `hidden` and `material`;
+// - lights: all members but names and profiles; a profile may only be removed;
+// - instances and shapes: `hidden`, `material`, and the placement, by scene_place();
+// - the lists of materials, lights and shapes: materials, lights and quads may be added;
 // - the environment: radiance and rotation; or all of it, by scene_replace_environment();
 // - the camera and the settings.
 
@@ -41,15 +42,15 @@ bool scene_write(const struct scene_write_params *params, struct err *err);
 // written there. Fails with ERR_USAGE as scene_write() does, or with ERR_OUTPUT.
 bool scene_write_check(const struct scene_write_params *params, struct err *err);
 
-// Makes a shallow copy with its own arrays of materials, lights, instances, shapes and cameras,
-// which may be edited. All other data belongs to the original, which must outlive the copy. The
-// copy's own arena is empty: never finish the copy.
+// Makes a shallow copy with its own arrays of materials, lights, instances, shapes, cameras and
+// placed objects, which may be edited. All other data belongs to the original, which must outlive
+// the copy. The copy's own arena is empty. Never call scene_finish() for the copy.
 bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene *out,
                     struct err *err);
 
-// Returns the text that follows "camera": in a scene file, for a valid camera: one line per key,
-// indented except for the first. Reading it gives the same bits. NULL when out of memory, or if a
-// number is not finite.
+// Returns the value of "camera" in a scene file for a valid camera. Each key has a line, indented
+// except for the first line. Reading the text gives the same bits. Returns NULL when out of memory,
+// or if a number is not finite.
 char *camera_to_json(struct arena *arena, const struct camera *camera);
 
 #endif

@@ -67,8 +67,8 @@ static bool copy_normals(struct scene *scene, const struct scene_array *array, s
         bad += !mesh_unit_normal(given, mesh->normals[i]);
     }
     if (bad > 0)
-        log_warn("mesh \"%s\": %u normals are of length zero or not finite; the geometric one is "
-                 "used",
+        log_warn("mesh \"%s\": %u normals are of length zero or not finite; geometric normals "
+                 "replace them",
                  array->name, bad);
     return true;
 }

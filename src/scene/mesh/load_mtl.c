@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A file that was read; element of a list.
+// An element of the list of files that were read.
 struct mtl_file {
     struct mtl_file *next;
     const char *path;
@@ -66,7 +66,7 @@ static void count_skipped(struct mtl_parser *parser)
         parser->skipped_line = parser->text.line;
 }
 
-// Clamps a colour to [0, max], counting colours that were outside.
+// Clamps a colour to [0, max], and counts colours that were outside.
 static void clamp_color(struct mtl_parser *parser, float max, float color[3])
 {
     bool is_outside = false;
@@ -164,7 +164,7 @@ static bool read_map(struct mtl_parser *parser, enum mtl_map_kind kind, struct e
         return err_memory(err, "a path", name.size + 1);
     for (int i = 0; i < 2; i++)
         if (!isfinite(map.offset[i]) || !isfinite(map.scale[i]) || !isfinite(map.bump_scale))
-            return text_fail(text, err, "a texture map: its options' numbers are not finite");
+            return text_fail(text, err, "a texture map: an option's number is not finite");
     parser->current.maps[kind] = map;
     return true;
 }
@@ -310,7 +310,7 @@ void mtl_sort(struct mtl_library *library)
         qsort(library->materials, library->count, sizeof *library->materials, compare_materials);
 }
 
-// Compares like strcmp(), for a NUL-terminated name and one of given length.
+// Compares like strcmp(). `name` is NUL-terminated, `wanted` has `length` bytes.
 static int compare_names(const char *name, const char *wanted, size_t length)
 {
     const char *nul = memchr(wanted, '\0', length); // damaged names may contain NUL bytes

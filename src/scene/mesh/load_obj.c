@@ -546,7 +546,8 @@ static void warn_about(const struct obj_parser *parser)
 {
     const char *path = parser->text.path;
     if (parser->skipped_count > 0)
-        log_warn("%s:%llu: not a vertex, face or material: skipped (%llu such lines in the file)",
+        log_warn("%s:%llu: only vertices, faces and materials are read; the line is skipped (%llu "
+                 "such lines in the file)",
                  path, (unsigned long long)parser->skipped_line,
                  (unsigned long long)parser->skipped_count);
     if (parser->missing_library_count > 0)
@@ -554,11 +555,13 @@ static void warn_about(const struct obj_parser *parser)
                  path, (unsigned long long)parser->missing_library_line,
                  parser->missing_library.msg, (unsigned long long)parser->missing_library_count);
     if (parser->unknown_material_count > 0)
-        log_warn("%s:%llu: usemtl: an unknown material; the default one is used (%u such lines)",
+        log_warn("%s:%llu: usemtl names an unknown material; the default material is used (%u "
+                 "such lines)",
                  path, (unsigned long long)parser->unknown_material_line,
                  parser->unknown_material_count);
     if (parser->bad_normal_count > 0)
-        log_warn("%s:%llu: a normal of length zero; the geometric one is used (%llu such lines)",
+        log_warn("%s:%llu: a normal has length zero; the geometric normal is used (%llu such "
+                 "lines)",
                  path, (unsigned long long)parser->bad_normal_line,
                  (unsigned long long)parser->bad_normal_count);
 }

@@ -35,8 +35,8 @@ struct ply_parser {
 
 // --- values --------------------------------------------------------------------------------------
 
-// Fails with "PATH: face 7: MESSAGE", and also the line in ASCII files. Rows count from 0, as the
-// file's indices do.
+// Fails with "PATH: face 7: MESSAGE", or "PATH:LINE: face 7: MESSAGE" in ASCII files. Rows count
+// from 0, as the file's indices do.
 static bool ply_fail(const struct ply_parser *parser, struct err *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -386,9 +386,9 @@ static bool read_exact(struct ply_parser *parser, struct mesh *mesh, struct err 
 static void warn_about(const struct ply_parser *parser)
 {
     if (parser->triangles.count == 0)
-        log_warn("%s: no faces", parser->text.path);
+        log_warn("%s: has no faces", parser->text.path);
     if (parser->bad_normal_count > 0)
-        log_warn("%s: %llu normals of length zero; the geometric one is used", parser->text.path,
+        log_warn("%s: %llu normals of length zero; geometric normals are used", parser->text.path,
                  (unsigned long long)parser->bad_normal_count);
 }
 

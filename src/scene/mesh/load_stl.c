@@ -197,7 +197,7 @@ static bool build_mesh(struct stl_parser *parser, uint32_t default_material, str
         memcpy(mesh->positions, vertices.corners, vertices.count * sizeof *mesh->positions);
         memcpy(mesh->indices, parser->axes[0].indices, count * sizeof *mesh->indices);
     } else {
-        log_warn("%s: no triangles", parser->text.path);
+        log_warn("%s: has no triangles", parser->text.path);
     }
     return mesh_default_material(parser->scene, default_material, false, &mesh->material, err);
 }

@@ -61,8 +61,8 @@ static bool is_rounded(const struct bounds *bounds, double ratio)
     return farthest > ratio * extent;
 }
 
-// Returns whether the corners coincide. Exact positions are compared if there are any, because
-// rounded ones may coincide where those in the file differ.
+// Returns whether the corners are known to coincide. Without exact positions only equal indices
+// count, because rounded positions may coincide where those in the file differ.
 static bool is_point(const struct mesh *mesh, const uint32_t corners[3],
                      const struct bounds *bounds)
 {

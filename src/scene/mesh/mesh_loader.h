@@ -82,8 +82,8 @@ struct mtl_material {
     struct material material;
     struct mtl_map maps[MTL_MAP_COUNT];
     const char *file;     // the file that defines the material
-    uint32_t order;       // position of the definition in the file: the first of several with one
-                          // name is used
+    uint32_t order;       // position in the library before sorting; of several materials with one
+                          // name, the first is used
     uint32_t scene_index; // index in the scene's materials; SCENE_NONE until a face uses it
 };
 
@@ -98,12 +98,13 @@ struct mtl_library {
 // repeatedly. Names and arrays live in `arena`. mtl_material.c describes which statements make
 // which material. Colours outside [0, 1] are clamped, negative emission becomes 0, and spectral and
 // XYZ colours and unknown maps are skipped, with one warning of each kind per file. The file's
-// bytes are added to *hash. `path` must live as long as the library. *missing: the file does not
-// exist or cannot be read. `err` must not be NULL.
+// bytes are added to *hash. `path` must live as long as the library. *missing becomes true if the
+// file does not exist or cannot be read. `err` must not be NULL.
 bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
               bool *missing, struct err *err);
 
-// The statements of one material. Numbers that the file does not give are negative.
+// The statements of one material. mtl_statements_init() sets the values for statements that the
+// file does not have: a default, or -1.
 struct mtl_statements {
     const char *name; // NULL before the first newmtl
     float diffuse[3], specular[3], ambient[3], emission[3], filter[3]; // Kd Ks Ka Ke Tf
@@ -116,8 +117,9 @@ struct mtl_statements {
 void mtl_statements_init(struct mtl_statements *statements, const char *name);
 // mtl_material.c: makes a material from its statements.
 void mtl_material_make(const struct mtl_statements *statements, struct material *out);
-// Adds a library's material and its textures to the scene. A texture that cannot be read is omitted
-// with a warning. `allow_outside` permits files outside the MTL file's folder.
+// Adds a library's material and its textures to the scene. An image that cannot be read is replaced
+// by pink; in a strict scene, it is an error. `allow_outside` permits files outside the MTL file's
+// folder.
 bool mtl_material_add(struct scene *scene, struct mtl_material *wanted, bool allow_outside,
                       struct err *err);
 

@@ -3,17 +3,17 @@
 // MTL describes shaders of 1995, and exporters express physically based materials in its terms. The
 // mapping follows today's exporters (Blender 3.6, after its manual), so that a material survives
 // export and import:
-//   Pr, Pm, Ps, Pc, Pcr or aniso: principled, with these and Kd, Ks, Ni
+//   Pr, Pm, Ps, Pc, aniso, map_Pr or map_Pm: principled, with these and Pcr, Kd, Ks, Ni
 //   illum 5, and 3 with a black Kd: a perfect mirror of reflectance Ks
 //   illum 4, 6, 7, 9: glass of index Ni and colour Tf
 //   illum 3: a metal of colour Kd, weighted by Ka, with the roughness that follows from Ns
 //   illum 2 and a Ks: principled, specular = the mean of Ks, with the roughness from Ns
 //   all others: Lambert of reflectance Kd
 //
-// Here roughness = 1 - sqrt(Ns / 1000), Ns at most 1000. d below 1, or map_d, is an opacity.
-// A principled material with Ks 0 reflects only as a metal: 1995's shaders have no highlight then,
-// and neither has Blender's principled material, at grazing angles included. A principled
-// material's diffuse part is Lambert's, as Kd is, and its layers are mixed as glTF's are.
+// Here roughness = 1 - sqrt(Ns / 1000), Ns at most 1000. d below 1, or map_d, is an opacity. A
+// principled material with Ks 0 reflects only as a metal, because neither the shaders of 1995 nor
+// Blender's principled material have a highlight then, even at grazing angles. The diffuse part of
+// a principled material is Lambert's, and its layers are mixed as in glTF.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"

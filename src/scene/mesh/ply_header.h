@@ -8,10 +8,10 @@ enum ply_format { PLY_ASCII, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN };
 
 enum ply_type { PLY_I8, PLY_U8, PLY_I16, PLY_U16, PLY_I32, PLY_U32, PLY_F32, PLY_F64 };
 
-uint32_t ply_type_size(enum ply_type type); // size in a binary file
+uint32_t ply_type_size(enum ply_type type); // size in a binary file, in bytes
 bool ply_type_is_float(enum ply_type type);
 
-// How the loader uses a property. Uses before USE_POLYGON are also slots of a vertex's values.
+// The loader's use of a property. Uses before USE_POLYGON are also indices of a vertex's values.
 enum ply_use {
     USE_X,
     USE_Y,

@@ -4,8 +4,9 @@
 #define NO_SET 2u            // no texture coordinates
 #define LOOKS_PER_POLL 65536 // materials between two polls for a stop
 
-// Returns the set of texture coordinates that tangents must follow: the normal map's, else that of
-// the texture that rotates the anisotropy; NO_SET if the material needs no tangents.
+// Returns the set of texture coordinates that tangents must follow: the set of the normal map, else
+// of the anisotropy texture, else set 0 if the material is anisotropic. Returns NO_SET if the
+// material needs no tangents.
 static uint32_t material_uv_set(const struct scene *scene, uint32_t index)
 {
     const struct material *material = &scene->materials[index];

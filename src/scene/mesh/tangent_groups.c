@@ -224,7 +224,8 @@ static uint32_t join(struct tangent_work *work, uint32_t corner, uint32_t group,
     return stacked;
 }
 
-// Returns whether the triangle has this orientation; a triangle without one takes it.
+// Returns whether the triangle has this orientation. A triangle without an orientation takes this
+// one.
 static bool has_orientation(struct tangent_work *work, uint32_t triangle, bool is_mirrored)
 {
     uint8_t *flags = &work->flags[triangle];
@@ -233,8 +234,9 @@ static bool has_orientation(struct tangent_work *work, uint32_t triangle, bool i
     return ((*flags & TANGENT_MIRRORED) != 0) == is_mirrored;
 }
 
-// Adds all corners at one welded vertex that are reached from `start` over edges. Each neighbour
-// pushes a triangle at most twice, so the stack needs at most 2 * triangle_count + 2 entries.
+// Adds all corners at one welded vertex that are reached from `start` over edges. Each triangle
+// joins at most once and pushes at most two neighbours, so the stack needs at most 2 *
+// triangle_count + 2 entries.
 static void flood(struct tangent_work *work, uint32_t start, uint32_t group)
 {
     uint32_t vertex = work->weld[start];

@@ -10,7 +10,7 @@
 enum {
     TANGENT_MIRRORED = 1, // the texture is mirrored
     TANGENT_NO_AREA = 2,  // two corners coincide; the triangle is ignored
-    TANGENT_NO_MAP = 4,   // no direction by texture coordinates; follows its neighbours
+    TANGENT_NO_MAP = 4,   // texture coordinates give no direction; follows its neighbours
     TANGENT_ORIENTED = 8, // a TANGENT_NO_MAP triangle that took the orientation of a group
 };
 
@@ -31,7 +31,7 @@ struct tangent_work {
     uint32_t *stack;                 // triangles to visit
     const struct progress *progress; // NULL: no listener
     uint64_t steps;                  // loop iterations so far
-    bool is_stopped;                 // by the listener; the results are incomplete
+    bool is_stopped;                 // the listener requested a stop; the results are incomplete
 };
 
 // Must be called in loops over corners and triangles. Returns whether to go on.

@@ -1,6 +1,6 @@
 // Computes tangents after Mikkelsen 2008: the tangent of a group of corners is the mean of its
-// triangles' directions of increasing u, projected onto the plane of the normal and weighted by the
-// angle at the corner.
+// triangles' directions of increasing u, projected onto the tangent plane and weighted by the angle
+// at the corner.
 #include "scene/mesh/tangents.h"
 
 #include "scene/core/affine.h"
@@ -11,8 +11,8 @@
 
 // --- directions ----------------------------------------------------------------------------------
 
-// Replaces v by its component in the plane of the unit normal, normalized. Returns false if that is
-// zero.
+// Replaces v by its normalized component in the plane perpendicular to the unit normal. Returns
+// false if the component is zero.
 static bool project(const double normal[3], double v[3])
 {
     double along = vec3_dot(normal, v);
@@ -42,8 +42,8 @@ struct direction {
     bool is_mirrored;
 };
 
-// Computes the directions of increasing u and v at a corner, in the plane of its normal. Returns
-// false if the triangle has none.
+// Computes the directions of increasing u and v at a corner, in its tangent plane. Returns false if
+// the triangle has none.
 static bool corner_directions(const struct tangent_work *work, uint32_t corner, double along_u[3],
                               double along_v[3], bool *is_mirrored)
 {
@@ -105,7 +105,7 @@ static bool list_members(struct tangent_work *work, struct members *members)
 }
 
 // Computes the sum of the directions of a group without those opposite to corner `own`. Returns
-// false if there are none of these.
+// false if there are no opposite directions.
 static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
                                   const uint32_t *corners, uint32_t count, struct direction *out)
 {
@@ -124,8 +124,8 @@ static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
     return !is_complete;
 }
 
-// The maximum number of triangles at a vertex whose pairs are compared; for more of them, which
-// would take seconds, nothing is omitted.
+// The maximum number of corners of a group whose pairs are compared. Larger groups would take
+// seconds, so no directions are omitted from their sums.
 #define MOST_COMPARED 4096
 
 static bool is_same_sum(const struct direction *a, const struct direction *b)
@@ -154,8 +154,8 @@ static void divide_group(struct tangent_work *work, const uint32_t *corners, uin
     }
 }
 
-// Sums the directions of a group. Returns whether some of its corners may be opposite; two
-// directions that both lie on the side of the first corner's are not.
+// Sums the directions of a group. Returns whether some of its corners may be opposite. None are if
+// the cosines of all directions with the first corner's are positive.
 static bool sum_group(const struct tangent_work *work, const uint32_t *corners, uint32_t count,
                       struct direction *out)
 {
@@ -193,7 +193,7 @@ static struct direction *sum_directions(struct tangent_work *work)
     }
     if (wide_corners == 0 || work->is_stopped)
         return directions;
-    // One additional element, for a sum that is compared before it is kept.
+    // The additional element holds a sum until it has been compared with the others.
     struct direction *all =
         ARENA_NEW(&work->arena, struct direction, (size_t)groups + wide_corners + 1);
     if (!all)
@@ -208,8 +208,8 @@ static struct direction *sum_directions(struct tangent_work *work)
 
 // --- tangents ------------------------------------------------------------------------------------
 
-// Chooses a tangent if no direction of increasing u is known: in the plane of the normal, along the
-// axis that is farthest from the normal.
+// Chooses a tangent if no direction of increasing u is known: the projection onto the tangent plane
+// of the axis that is farthest from the normal.
 static void any_tangent(const double normal[3], double out[3])
 {
     int axis = 0;

@@ -12,7 +12,7 @@
 // A node of the tree: a shape, or an operation on its children. Before compilation it has the
 // operands of struct gpu_sdf_instruction.
 struct sdf_node {
-    const struct json_node *place; // its place in the description, for messages
+    const struct json_node *place; // the node's place in the scene file, for messages
     uint32_t op;                   // SDF_SPHERE … SDF_SHELL, SDF_REPEAT, SDF_TWIST, SDF_MIRROR
     double a[3], b[4];
     struct sdf_node *children; // children of an operation
@@ -58,7 +58,7 @@ double sdf_fractal_factor(const struct sdf_node *node);
 bool sdf_compile(struct sdf_node *root, const struct bounds *clip, struct arena *arena,
                  struct sdf *out, struct err *err);
 
-// Sets the centre and axes of a shape so that its field is in its own space.
+// Sets the centre and axes of a shape to the field's box, so that sdf_to_world() is the identity.
 void sdf_place(const struct sdf *sdf, struct shape *shape);
 // Computes the map from the field's space to the world: a rotation or reflection, a translation and
 // a uniform scale.

@@ -14,7 +14,7 @@ static struct bounds box_of_halves(double x, double y, double z, double level)
     return (struct bounds){{-x - level, -y - level, -z - level}, {x + level, y + level, z + level}};
 }
 
-// As affine_box(), but also for infinite boxes: a factor that is 0 up to rounding counts as 0.
+// Transforms a box, which may be infinite. A matrix element that is 0 up to rounding counts as 0.
 static struct bounds move_box(const double m[3][4], double scale, const struct bounds *box)
 {
     struct bounds out;
@@ -86,8 +86,7 @@ static struct bounds plane_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// Returns the box of metaballs: the set is within the radii of the balls, and within `level` of one
-// of them.
+// Returns the box of metaballs. The set lies within the balls, enlarged by `level`.
 static struct bounds metaballs_box(const struct sdf_node *n, double level)
 {
     struct bounds box = BOUNDS_EMPTY;
@@ -99,8 +98,8 @@ static struct bounds metaballs_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// Returns a radius that contains the set. Points of the set have not escaped after the iterations;
-// because |z'| >= |z|^power - |c|, points beyond this radius have.
+// Returns the radius of a ball that contains the set. Points of the set have not escaped after the
+// iterations. Points beyond this radius have, because |z'| >= |z|^power - |c|.
 static double mandelbulb_radius(const struct sdf_node *n)
 {
     double low = 1, high = n->a[2];
@@ -143,7 +142,7 @@ static struct bounds shape_box(const struct sdf_node *n, double level)
         return metaballs_box(n, level);
     case SDF_MENGER:
         return box_of_halves(a[0], a[0], a[0], level);
-    case SDF_PYRAMID: // made of tetrahedra: its planes are at sqrt(3) times a corner's coordinate
+    case SDF_PYRAMID: // a shift of its oblique planes by d moves the corners by sqrt(3) d per axis
         radius = a[0] + sqrt(3) * level;
         return box_of_halves(radius, radius, radius, 0);
     case SDF_MANDELBULB:
@@ -356,7 +355,7 @@ static struct bounds repeated_domain(const struct sdf_node *n, const struct boun
         if (sdf_is_symmetric(n->children, i)) {
             out.min[i] = fmin(domain->min[i] + reach, -half);
             out.max[i] = fmax(domain->max[i] - reach, half);
-        } else { // the copies are written out, each translated
+        } else { // each copy is emitted, with a translation
             out.min[i] -= reach;
             out.max[i] += reach;
         }
@@ -396,8 +395,8 @@ static void add_magnitude(const struct bounds *domain, double scale, double *mag
         *magnitude = fmax(*magnitude, scale * fmax(fabs(domain->min[i]), fabs(domain->max[i])));
 }
 
-// Adds the lengths of a shape to the maximum coordinate, because lengths of a shape that the box
-// cuts may be larger than the box.
+// Includes the lengths of a shape in the maximum coordinate. If the box cuts the shape, they may be
+// larger than the box.
 static void add_lengths(const struct sdf_node *n, double scale, double *magnitude)
 {
     for (int i = 0; i < 3 && n->op <= SDF_PLANE; i++)

@@ -164,7 +164,7 @@ static bool emit_repeat(struct program *p, const struct sdf_node *n)
         }
         if (n->b[i] >= SDF_CODE_MAX)
             return node_fail(n->place, p->err,
-                             "repeats along %c a child that is not symmetric about its centre; "
+                             "repeats along %c, but its child is not symmetric about its centre; "
                              "expected small \"counts\", or a mirrored child",
                              "xyz"[i]);
         copies[i] = 2 * (int64_t)n->b[i] + 1;
@@ -172,8 +172,8 @@ static bool emit_repeat(struct program *p, const struct sdf_node *n)
         if (total > SDF_CODE_MAX)
             return node_fail(
                 n->place, p->err,
-                "repeats along %c a child that is not symmetric about its centre: "
-                "%lld copies would be written out; expected fewer, or a mirrored child",
+                "repeats along %c, but its child is not symmetric about its centre, so that "
+                "%lld copies are needed; expected fewer, or a mirrored child",
                 "xyz"[i], (long long)total);
     }
     if (!folds)

@@ -23,7 +23,7 @@ static double clamp(double x, double low, double high)
     return fmin(fmax(x, low), high);
 }
 
-// Returns the distance to a corner in the first octant, given the distances along the axes.
+// Returns the signed distance from q to the octant of points without positive coordinates.
 static double outside_corner(const double q[3])
 {
     const double out[3] = {fmax(q[0], 0), fmax(q[1], 0), fmax(q[2], 0)};

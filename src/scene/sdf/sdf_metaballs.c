@@ -5,7 +5,7 @@
 #include "scene/core/affine.h"
 #include <math.h>
 
-#define TOLERANCE 0.03     // relative to the bound
+#define TOLERANCE 0.03     // relative tolerance of the bound
 #define CELLS_MOST 32768u  // maximum number of cells at a time
 #define WORK_MOST 30000000 // maximum number of evaluations of balls
 
@@ -19,7 +19,7 @@ static double slope(double q)
 
 // Returns the maximum second derivative, in units of 1 / R^2, for q in an interval: 6 (1 - q^2)^2
 // across the radius and 6 (1 - q^2) (5 q^2 - 1) along it, which peaks at q^2 = 3 / 5. (Where the
-// latter is negative, the former is no less.)
+// latter is negative, its magnitude is at most the former.)
 static double curvature(double nearest, double farthest)
 {
     double u = nearest * nearest, v = fmin(farthest * farthest, 1);
@@ -64,8 +64,8 @@ static double bound_of_cell(struct search *s, const struct cell *cell)
     return fmin(sum, here + change);
 }
 
-// Halves a cell across its longest edge. Returns how many of the halves can exceed the maximum so
-// far.
+// Halves a cell across its longest edge. Stores the halves that can exceed the maximum so far, and
+// returns their number.
 static uint32_t halve(struct search *s, const struct cell *cell, struct cell *out)
 {
     const double *half = cell->half;

@@ -214,7 +214,7 @@ static bool expand(struct ies_parser *p, struct light_profile *out, struct err *
     if (!known)
         return text_fail(&p->text, err,
                          "horizontal angles from %g to %g; expected 0 alone, 0 to 90, 0 to 180, 90 "
-                         "to 270 by way of 180, or 0 to 360",
+                         "to 270 including 180, or 0 to 360",
                          first, last);
     if (side) {
         add_side_half(p, out);
@@ -226,8 +226,7 @@ static bool expand(struct ies_parser *p, struct light_profile *out, struct err *
         else if (count > 1 && last == 180)
             mirror_about(p, out, 180);
     }
-    // If the first plane is not repeated at the end or halfway around, it is appended at 360
-    // degrees.
+    // If the last plane is below 360 degrees, the first plane is repeated at 360 degrees.
     uint32_t n = out->horizontal_count;
     if (n > 1 && out->horizontal[n - 1] < 360) {
         memcpy(&out->relative[(size_t)n * p->vertical_count], out->relative,

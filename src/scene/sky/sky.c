@@ -336,7 +336,7 @@ static bool check_sky(const struct sky *sky, struct err *err)
                        sky->turbidity, SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX);
     if (!(sky->sun_direction[1] >= 0))
         return err_set(err, ERR_INPUT,
-                       "the sun is below the horizon (y of its direction is %.9g): the model is "
+                       "the sun is below the horizon (y of its direction is %.9g); the model is "
                        "for daylight",
                        sky->sun_direction[1]);
     return true;

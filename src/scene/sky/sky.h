@@ -18,8 +18,8 @@
 struct sky {
     double turbidity;        // haziness, SKY_TURBIDITY_MIN (clear) to SKY_TURBIDITY_MAX
     double sun_direction[3]; // unit vector towards the sun; y >= 0
-    double ground_albedo[3]; // of the ground below the horizon, 0 to 1
-    bool has_sun;            // the sun is visible and a light; the sky is lit by it either way
+    double ground_albedo[3]; // albedo of the ground below the horizon, 0 to 1
+    bool has_sun;            // the sun is visible and is a light; it always lights the sky
     double sun_diameter;     // diameter of the disc, radians
 };
 

@@ -21,9 +21,9 @@ struct soft_box {
     double share;
 };
 
-// The key light models the form from the upper left, the fill light brightens its shadows to a
-// quarter (a lighting ratio of 4 to 1), and the rim light from behind separates the model from the
-// background.
+// The key light models the form from the upper left, the fill light brightens the key light's
+// shadows to a quarter (a lighting ratio of 4 to 1), and the rim light from behind separates the
+// model from the background.
 static const struct soft_box boxes[] = {
     {-55, 42, 0.32, 0.32, 1.0},
     {65, 38, 0.6, 0.5, 0.12},
@@ -44,7 +44,7 @@ static const struct soft_box boxes[] = {
 #define STUDIO_WIDTH 512
 #define STUDIO_HEIGHT 256
 
-// Directions at the model: away from the camera's side, up, and towards the camera.
+// The light of the studio. `axes` point to the right, up and towards the camera.
 struct studio {
     struct scene_axes axes;
     double boxes[BOX_COUNT][3][3]; // for each box, unit vectors to the right, up and to its centre
@@ -134,8 +134,9 @@ static struct texel texel_at(const struct environment *environment, uint32_t row
     };
 }
 
-// Irradiances caused by each box at radiance 1, on a surface facing it and on a horizontal surface,
-// and by the background, at radiance 1 at the horizon, on a horizontal surface.
+// Irradiances: of each box at radiance 1, on a surface facing it (`faced`) and on a horizontal
+// surface (`level`), and of the background on a horizontal surface if its radiance at the horizon
+// is 1.
 struct received {
     double faced[BOX_COUNT], level[BOX_COUNT], background;
 };
@@ -160,8 +161,8 @@ static struct received receive(const struct studio *studio, const struct environ
 }
 
 // Sets the boxes by their relative irradiances and the background to the radiance of the distant
-// ground, and scales all so that a horizontal surface receives pi. The background's radiance h and
-// the irradiance E of the ground depend on each other: h = GROUND_FAR / pi E, E = E_boxes + h
+// ground, and scales the boxes so that a horizontal surface receives pi. The background's radiance
+// h and the irradiance E of the ground depend on each other: h = GROUND_FAR / pi E, E = E_boxes + h
 // E_background. With E = pi, h = GROUND_FAR and E_boxes = pi - GROUND_FAR E_background.
 static void set_radiance(struct studio *studio, const struct environment *environment)
 {
@@ -262,9 +263,10 @@ static bool add_ground_material(struct scene *scene, double radius, uint32_t *in
            material_add_texture(scene, material, &texture, err);
 }
 
-// Adds the ground 2^-14 of the radius below the lowest point, so that a surface that lies flat on
-// it hides it: a coordinate as large as the camera's distance, some four radii, has steps of 2^-22
-// of the radius. The gap is a tenth of a pixel in an image of 1000 lines.
+// Adds the ground 2^-14 of the radius below the lowest point, so that a flat bottom of the model
+// hides it. Rounding errors are far smaller: coordinates as large as the camera's distance, about
+// four radii, have steps of 2^-22 of the radius. The gap is a tenth of a pixel in an image of 1000
+// lines.
 static bool add_ground(struct scene *scene, const struct scene_axes *axes, struct err *err)
 {
     const struct scene_part whole = scene_whole(scene);
@@ -352,8 +354,8 @@ static bool provide_studio(struct scene *scene, double emission, struct err *err
     return true;
 }
 
-// Returns whether to add a ground. Cameras of the file must be above it: one below would see
-// nothing else.
+// Returns whether to add a ground. With SCENE_GROUND_AUTO, all cameras of a model must be above it,
+// because a camera below would see nothing else, and a .json scene must have no camera.
 static bool wants_ground(const struct scene *scene, enum scene_ground choice)
 {
     const struct scene_axes axes = scene_axes(scene->up);

@@ -29,8 +29,9 @@
 #define STUDIO_EMISSION_LEAST (1.0 / 16)
 bool scene_is_lit(const struct scene *scene, double *emission);
 
-// Adds the light that params->studio chooses unless the scene is lit, and a ground below a model in
-// the studio. Fails with ERR_SYSTEM. Must be called before a camera is framed.
+// Adds a studio or a constant environment if the scene is not lit, according to params->studio,
+// which may also replace the scene's environment. Adds a ground according to params->ground. Fails
+// with ERR_SYSTEM. Must be called before a camera is framed.
 bool scene_provide_light(struct scene *scene, const struct scene_load_params *params,
                          struct err *err);
 

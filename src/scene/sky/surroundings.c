@@ -13,7 +13,7 @@ const char *const surroundings_names[SURROUNDINGS_COUNT + 1] = {
 struct surroundings surroundings_default(void)
 {
     struct surroundings s;
-    memset(&s, 0, sizeof s); // clears padding: it is compared byte by byte
+    memset(&s, 0, sizeof s); // clears padding: the struct is compared byte by byte
     for (int c = 0; c < 3; c++)
         s.radiance[c] = 1.0f;
     s.turbidity = sky_default().turbidity;
@@ -37,13 +37,13 @@ struct surroundings_original surroundings_keep(const struct scene *scene)
 static bool check(const struct surroundings *to, struct err *err)
 {
     if (to->kind >= SURROUNDINGS_COUNT)
-        return err_set(err, ERR_BUG, "environment of kind %u: expected less than %d", to->kind,
+        return err_set(err, ERR_BUG, "environment of kind %u; expected less than %d", to->kind,
                        SURROUNDINGS_COUNT);
     if (to->kind == SURROUNDINGS_IMAGE && !to->image[0])
-        return err_set(err, ERR_INPUT, "environment: no image is given: expected the path of one");
+        return err_set(err, ERR_INPUT, "environment: no image is given; expected its path");
     if (!isfinite(to->rotation_degrees))
         return err_set(err, ERR_INPUT,
-                       "environment: a rotation of %g degrees: expected a finite number",
+                       "environment: the rotation is %g degrees; expected a finite number",
                        to->rotation_degrees);
     return true;
 }
