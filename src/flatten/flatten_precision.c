@@ -23,8 +23,8 @@
 // render/far_camera.c.
 #define FOLLOW_RATIO 4096.0
 
-// The object for which the greater of its size and its distance from the camera, `scale`, is
-// smallest, and the point of its box that is nearest to the camera.
+// The object with the smallest `scale`, which is the greater of the object's size and its distance
+// from the camera; and the point of its box that is nearest to the camera.
 struct nearest {
     double scale;
     double point[3];

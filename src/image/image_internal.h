@@ -53,8 +53,8 @@ struct pixels_size {
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
                      struct arena *arena, struct pixels *out, struct err *err);
 
-// Must be called once per row, and polls for a stop only from time to time. Fails with ERR_STOPPED
-// if progress requests a stop.
+// Must be called once per row. Polls for a stop from time to time. Fails with ERR_STOPPED if
+// progress requests a stop.
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
 // The value of each 8-bit code: [0] for colours, [1] for alpha.

@@ -42,8 +42,8 @@ void framing_towards_camera(enum scene_up up, double out[3])
 struct subject {
     const struct scene *scene;
     double axes[3][3];
-    double center[3]; // centre of its bounding box
-    bool is_a_point;  // or is empty; either is framed like a ball of radius 1
+    double center[3]; // centre of the model's bounding box
+    bool is_a_point;  // true for an empty model, too; both are framed like a ball of radius 1
 };
 
 // Computes for out[0] the largest (s + t z).v over the model's points v relative to its centre.

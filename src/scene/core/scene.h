@@ -24,7 +24,7 @@
 #define SCENE_COORDINATE_MAX 1e13
 // The minimum radius, height or range of any object, in metres.
 #define SCENE_LENGTH_MIN 1e-18
-#define SCENE_LENS_MAX_MM (1e3 * SCENE_COORDINATE_MAX) // maximum radius of a camera's lens
+#define SCENE_LENS_MAX_MM (1e3 * SCENE_COORDINATE_MAX) // maximum lens radius in mm
 #define SCENE_LENS_BLADES_MAX 64
 #define SCENE_TURN_MAX 1e6 // maximum rotation of an environment, degrees
 // The maximum and minimum extent of a whole scene along an axis, in metres.
@@ -262,8 +262,8 @@ struct scene_load_params {
     // to it. NULL: they come from the user.
     const char *override_folder;
     uint32_t base_depth; // length of the chain of "base" files that leads to this one
-    // These replace the file's environment; see environment.h and sky.h. If all are NULL, it is
-    // kept.
+    // Replacements of the file's environment; see environment.h and sky.h. If all three are NULL,
+    // the file's environment is kept.
     const char *environment_file;
     const float *environment_radiance; // 3 components
     const struct sky *environment_sky;
@@ -273,9 +273,9 @@ struct scene_load_params {
     enum scene_ground ground;
     enum scene_up up;
     bool is_strict; // missing images are errors instead of pink
-    // The following apply to glTF only. Time in seconds at which to pose animation 0, or the
-    // animation named below. NULL: the nodes are not animated, or are at the beginning of the named
-    // animation.
+    // This and the next three members only apply to glTF. The time, in seconds, at which
+    // `animation` is evaluated. NULL: the beginning of `animation`; if that is NULL, too, the nodes
+    // are not animated.
     const double *at_seconds;
     const char *animation;  // name or index; NULL: the first
     const char *scene_name; // name or index; NULL: the file's default
@@ -339,8 +339,8 @@ bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t defa
 // Appends a mesh from the caller's arrays, which are checked and copied.
 bool load_array(struct scene *scene, const struct scene_array *array, uint32_t default_material,
                 uint32_t *index, struct err *err);
-// Loads glTF as a mesh of our JSON format: appends meshes and materials and, transformed by `place`
-// (3x4), the instances and lights of the nodes of the default scene. Cameras of the file are
+// Loads a glTF file as a shape of a .json scene: appends its meshes and materials, and the
+// instances and lights of its default scene, transformed by `place` (3x4). The file's cameras are
 // ignored.
 bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
                     bool allow_outside_paths, struct err *err);

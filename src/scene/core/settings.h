@@ -43,7 +43,7 @@ struct setting {
     const char *group;    // group of the option in the help
     const char *help;     // sentences, with the unit
     const char *brief;    // one line for --help; NULL: only --help-all shows the option
-    bool changes_samples; // false: only changes their number, or the display of the film
+    bool changes_samples; // false: only changes the number of samples, or the display of the film
     double fallback;      // the default
     // The meaning of the setting's word, or of its least number if it has no word; NULL: no special
     // meaning.

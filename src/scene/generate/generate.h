@@ -7,7 +7,7 @@
 
 // Appends a closed, bumpy sphere ("blob") about the origin with mean radius 1 and normals: a
 // latitude-longitude grid of about `triangles` triangles (at least 8). Its radius is modulated by
-// sums of sines so that curvature and triangle size vary. Deterministic.
+// sums of sines so that curvature and triangle size vary.
 bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, uint32_t *mesh,
                    struct err *err);
 // Returns the size of the mesh in bytes, as the other functions generate_*_bytes() do.

@@ -12,7 +12,7 @@
 struct phong_spheres {
     uint32_t count, seed;          // count: number of spheres that are tried
     double min_radius, max_radius; // 0 < min <= max
-    double disc_radius; // radius of the disc about the origin, in y = 0, that has the spheres
+    double disc_radius; // radius of the disc about the origin, in y = 0, in which the spheres stand
     const struct progress *progress; // NULL: no listener
 };
 
@@ -20,7 +20,7 @@ struct phong_sphere {
     float center[3], radius;
     float base_color[3], specular_color[3]; // in [0, 1]; the sum is at most 1 in each channel
     float smoothness;                       // [0, 1]; phong_exponent() converts it
-    float emission[3];                      // radiance; where it is not 0, the colours are black
+    float emission[3];                      // radiance; if it is not 0, the colours are black
 };
 
 // Returns Phong's exponent for a smoothness s: 1000^(s^2), from 1 to 1000.

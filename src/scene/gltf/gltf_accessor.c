@@ -403,8 +403,8 @@ bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_
 static bool check_index(const struct accessor_view *view, uint32_t element, uint32_t limit,
                         const char *limit_name, uint32_t index, struct err *err)
 {
-    // The largest value of the type is not allowed: it would restart the primitive on some systems
-    // (section 3.7.2.1).
+    // The largest value of the type is not allowed, because it would restart the primitive on some
+    // systems (section 3.7.2.1).
     uint32_t restart = view->type == COMPONENT_U8    ? UINT8_MAX
                        : view->type == COMPONENT_U16 ? UINT16_MAX
                                                      : UINT32_MAX;

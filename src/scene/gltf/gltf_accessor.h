@@ -20,9 +20,9 @@ enum component_type {
 #define COMPONENTS_SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
 #define COMPONENTS_SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
 
-// The maximum count of an accessor without a buffer view. Its elements are zeros. Its size is the
-// only one that the size of the file does not limit. 2^24 is more than real files need, and needs
-// little memory.
+// The maximum count of an accessor without a buffer view. The elements of such an accessor are
+// zero, so the size of the file does not limit their number. 2^24 is more than real files need, and
+// takes little memory.
 #define ACCESSOR_MAX_UNBACKED_COUNT (UINT64_C(1) << 24)
 
 #define ACCESSOR_MAT4 16 // number of components

@@ -46,7 +46,8 @@ static void unit_tangent(float tangent[4])
     tangent[3] = tangent[3] < 0 ? -1.0f : 1.0f;
 }
 
-// Clamps a colour. It multiplies a reflectance, so a component above 1 would create energy.
+// Clamps a colour to [0, 1]. Colours multiply reflectances, so a component above 1 would create
+// energy.
 static bool clamp_color(float color[4])
 {
     bool was_outside = false;

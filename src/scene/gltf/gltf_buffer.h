@@ -11,7 +11,7 @@ struct glb_chunks {
     struct file_bytes binary; // data is NULL if there is none
 };
 
-bool glb_is_container(const struct file_bytes *bytes); // whether it begins with the magic "glTF"
+bool glb_is_container(const struct file_bytes *bytes); // whether they begin with "glTF"
 // Finds the chunks and checks the whole container. Errors do not name the file.
 bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err *err);
 

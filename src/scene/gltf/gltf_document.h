@@ -86,11 +86,11 @@ bool gltf_require(const struct json_node *object, const char *key, struct err *e
 bool gltf_read_index(const struct json_node *object, const char *key, uint32_t count, uint32_t *out,
                      struct err *err);
 // Finds the element of a list with this name, or else with this index. `what` names the kind of
-// element in messages, such as "animation". The name comes from the command line: fails with
-// ERR_USAGE if there is none.
+// element in messages, such as "animation". Fails with ERR_USAGE if there is none, because the name
+// comes from the command line.
 bool gltf_find(const struct gltf_document *document, enum gltf_list list, const char *what,
                const char *wanted, uint32_t *out, struct err *err);
-// Read a member that is an object or an array, or is absent; *out then has the value NULL.
+// Read a member that must be an object or an array. If it is absent, out->value becomes NULL.
 bool gltf_read_object(const struct json_node *object, const char *key, struct json_node *out,
                       struct err *err);
 bool gltf_read_array(const struct json_node *object, const char *key, struct json_node *out,

@@ -29,8 +29,8 @@ static bool read_channel(const struct layer *layer, const char *key, uint32_t pa
 {
     int channels[4] = {-1, -1, -1, -1};
     channels[parameter % 4] = channel;
-    // Alpha is never sRGB-encoded. The flag lets the texture share its image with a texture of
-    // colours.
+    // For alpha, is_srgb has no effect on the values. It lets the texture share its image with a
+    // texture of colours.
     const struct gltf_texture_use use = {
         .flags = texture_scales(parameter / 4, channels),
         .is_srgb = channel == 3,
@@ -161,7 +161,7 @@ static bool read_specular(struct gltf_material_reader *reader, struct err *err)
 }
 
 // The extension widens the lobe along the tangent, alpha_t = mix(alpha, 1, strength^2), and keeps
-// alpha_b = alpha. The parameters here are alpha' / aspect and alpha' aspect with aspect^2 = 1 -
+// alpha_b = alpha. This program's model has alpha' / aspect and alpha' aspect with aspect^2 = 1 -
 // 0.9 anisotropic (Burley 2012, addendum). With alpha'^2 = alpha_t alpha_b and aspect^2 = alpha_b /
 // alpha_t, the two forms agree, unless the ratio is below 1 / 10 or a texture scales the factors.
 static bool read_anisotropy(struct gltf_material_reader *reader, struct err *err)

@@ -102,8 +102,8 @@ static bool allocate_triangles(struct gltf_load *load, const struct json_node *n
     return true;
 }
 
-// Stores the triangles. `sequence` is the order of the vertices; NULL: 0, 1, 2, … Triangles with a
-// repeated vertex are omitted from strips, which use them to turn, and from fans.
+// Stores the triangles. `sequence` is the order of the vertices; NULL: 0, 1, 2, … In strips and
+// fans, triangles with a repeated vertex are omitted; strips use these to connect their parts.
 static void write_triangles(struct mesh *mesh, enum primitive_mode mode, const uint32_t *sequence)
 {
     uint32_t count = 0;
@@ -265,7 +265,7 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_we
 
 // --- memory --------------------------------------------------------------------------------------
 
-// These functions ignore invalid parts of the file, because the readers above report them.
+// The following functions ignore invalid parts of the file, because the readers above report them.
 
 static uint64_t new_vertex_bytes(const struct gltf_document *document,
                                  const struct json_node *attributes, uint8_t *seen)

@@ -36,8 +36,8 @@ static bool read_joint(const struct gltf_nodes *nodes, const struct json_node *j
     return true;
 }
 
-// Returns whether the last row is (0, 0, 0, 1), as section 3.7.3.1 requires. As in viewers, other
-// rows are ignored.
+// Returns whether the last row is (0, 0, 0, 1), as section 3.7.3.1 requires. A different row is
+// ignored, as in other viewers, and only counted for a note.
 static bool is_affine(const float m[16])
 {
     return fabsf(m[3]) <= FLT_EPSILON && fabsf(m[7]) <= FLT_EPSILON &&
@@ -170,7 +170,7 @@ static void add_joint(struct blend *blend, uint32_t vertex, uint32_t joint, doub
                 weight * blend->skin->joints[joint][row][column];
 }
 
-// Adds JOINTS_set and WEIGHTS_set; *found is whether they exist.
+// Adds JOINTS_set and WEIGHTS_set; *found becomes whether they exist.
 static bool add_set(struct gltf_load *load, const struct json_node *attributes, uint32_t set,
                     struct blend *blend, bool *found, struct err *err)
 {

@@ -245,8 +245,8 @@ static bool allocate_tables(struct gltf_load *load, struct err *err)
 }
 
 // Finds the duration of the first animation if none is selected, so that it can be played. Errors
-// in the animation do not make loading fail, because the animation is not shown: its duration stays
-// 0.
+// in the animation do not make loading fail, because the animation is not shown; the duration then
+// stays 0.
 static void find_length(struct gltf_load *load)
 {
     const struct gltf_tally tally = load->tally;

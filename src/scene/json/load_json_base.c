@@ -103,7 +103,7 @@ static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
 }
 
 // Reads the parameters for loading the base. If the base has no light, the command line chooses
-// light and ground, unless this file does.
+// light and ground, unless this file chooses them.
 static bool read_base(struct json_loader *loader, const struct json_node *node,
                       struct scene_load_params *load, struct err *err)
 {

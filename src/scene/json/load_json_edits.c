@@ -1,5 +1,5 @@
-// The section "edits": changes of a complete scene. Numbers are stored as in memory, and absent
-// keys change nothing.
+// The section "edits": changes of a complete scene. Numbers are written as they are in memory,
+// without rounding. Absent keys change nothing.
 #include "scene/json/load_json.h"
 
 #include "base/maths.h"

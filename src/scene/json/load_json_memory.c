@@ -8,8 +8,8 @@
 #include "scene/generate/scatter.h"
 #include <string.h>
 
-// A lower bound of the memory that an element of the list needs. For an element that names a file,
-// and for spheres that may not find a place, only the certain part counts.
+// A lower bound of the memory that an element of the list needs. If an element names a file, or
+// places spheres at random, only the memory that it certainly needs is counted.
 struct needs {
     uint64_t bytes;   // for meshes
     uint64_t passing; // memory that is needed only while loading

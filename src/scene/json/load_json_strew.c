@@ -12,7 +12,7 @@ struct strew {
     struct scene_part kinds[KINDS_MAX]; // the shapes that are copied
     uint32_t kind_count;
     uint32_t count, seed;
-    double size[2]; // along x and z; of a disc, its bounding square
+    double size[2]; // along x and z; for a disc, of its bounding square
     bool is_disc;
     double scale[2]; // minimum and maximum
     double tilt;     // tangent of half of the maximum angle
@@ -85,7 +85,7 @@ static void make_transform(struct strew *strew, uint32_t copy, const double plac
     };
     memcpy(out, upright, sizeof upright);
     if (strew->tilt > 0) {
-        // The angle a of the tilt has a uniform tan(a/2) in its range; the tilt is towards the
+        // For the tilt's angle a, tan(a/2) is uniform in its range. The tilt is towards the
         // direction `to`.
         double t = strew->tilt * draw(strew, copy);
         double cosine = (1 - t * t) / (1 + t * t), sine = 2 * t / (1 + t * t);

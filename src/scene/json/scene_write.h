@@ -29,14 +29,15 @@ struct scene_write_params {
     const struct camera *camera;          // the file's first camera; NULL: scene->cameras[0]
     const struct settings *settings;      // NULL: the scene's settings
     const struct scene_pose *pose;        // pose of `before` and `scene`; NULL: as loaded
-    // Receives whether the file refers to files outside its folder, so that loading it needs
-    // allow_outside_paths; or NULL. A comment in the file says so, too.
+    // If not NULL, receives whether the file refers to files outside its folder. Loading such a
+    // file needs allow_outside_paths; a comment in the file says so.
     bool *is_outside;
 };
 
 // Writes the file. Fails with ERR_USAGE if the path is the base's own or does not end in ".json";
 // with ERR_INPUT for values that the format cannot represent (not finite, out of range, file names
-// that are not UTF-8); and with ERR_OUTPUT. On failure no file is written.
+// that are not UTF-8); and with ERR_OUTPUT if the file cannot be written. On failure no file is
+// written.
 bool scene_write(const struct scene_write_params *params, struct err *err);
 // Checks in advance, from the path and the parameters that loaded `before`, whether a file can be
 // written there. Fails with ERR_USAGE as scene_write() does, or with ERR_OUTPUT.

@@ -9,7 +9,7 @@ struct scene_difference {
     const struct scene *before; // the scene as in the base
     const struct scene *scene;
     bool has_other_environment; // "environment" replaces the base's, and its sun
-    bool has_other_adjustment;  // it is rotated or scaled relative to the base's
+    bool has_other_adjustment;  // the command line rotated or scaled the environment
 };
 
 void scene_write_edits(struct json_text *t, const struct scene_difference *difference);

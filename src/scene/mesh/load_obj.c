@@ -33,7 +33,7 @@ struct obj_parser {
     struct err missing_library; // why the first missing library could not be read
     uint64_t missing_library_count, missing_library_line;
     struct mtl_material *wanted_material; // material of the next faces; NULL: the default one
-    uint32_t material;                    // its index in the scene; SCENE_NONE until a face uses it
+    uint32_t material;                    // index of wanted_material in the scene, or SCENE_NONE
 
     float (*positions)[3];
     double (*exact)[3]; // positions before rounding, if they are needed

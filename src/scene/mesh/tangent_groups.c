@@ -251,8 +251,8 @@ static void flood(struct tangent_work *work, uint32_t start, uint32_t group)
     }
 }
 
-// Assigns a group to each corner that flood() did not reach: that of the same vertex in another
-// triangle, or else a new one. `lent` is scratch memory for corner_count elements.
+// Assigns a group to each corner that flood() did not reach: the group of the same vertex in
+// another triangle, or else a new group. `lent` is scratch memory for corner_count elements.
 static void group_the_rest(struct tangent_work *work, uint32_t *lent)
 {
     for (uint32_t c = 0; c < work->corner_count; c++)

@@ -69,9 +69,9 @@ static void add_corner(const struct tangent_work *work, uint32_t corner, const d
 
 // --- opposite directions -------------------------------------------------------------------------
 
-// In Mikkelsen's program the mean at a corner omits triangles that are mapped in the opposite
-// direction, that is, whose direction has a cosine of -1, in single precision, with the corner's
-// own. Such triangles meet at poles of spheres that have one vertex there.
+// In Mikkelsen's program the mean at a corner omits triangles whose direction is opposite to the
+// corner's own (their cosine, in single precision, is -1). Such triangles meet at a pole of a
+// sphere if the pole is one vertex.
 
 static bool is_opposite(const double a[3], const double b[3])
 {

@@ -18,8 +18,8 @@
 struct light_profile {
     const char *path;
     uint32_t vertical_count; // at least 1
-    // 1: rotationally symmetric; else from 0 to 360 degrees, with the last plane equal to the
-    // first.
+    // 1: the profile is rotationally symmetric. Otherwise the horizontal angles range from 0 to 360
+    // degrees, and the last plane equals the first.
     uint32_t horizontal_count;
     float *vertical;    // degrees from the light's direction, ascending, in [0, 180]
     float *horizontal;  // degrees about the light's direction, see docs/scene-format.md

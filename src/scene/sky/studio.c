@@ -324,7 +324,7 @@ bool scene_is_lit(const struct scene *scene, double *emission)
     for (int i = 0; i < 3; i++)
         center[i] = (bounds.min[i] + bounds.max[i]) / 2;
     double radius = bounds_radius(scene, &whole, center);
-    if (!(radius > 0)) // an empty scene cannot be lit too weakly
+    if (!(radius > 0)) // nothing receives light, so its amount does not matter
         return scene->light_count > 0 || has_emission(scene);
     *emission = (scene_emitted_flux(scene) + scene_light_flux(scene, center, radius)) /
                 (4 * M_PI * radius * radius);

@@ -39,7 +39,7 @@ struct environment_source {
     const char *file;      // a trusted path, or NULL
     const struct sky *sky; // a sky, or NULL
     const struct environment_gradient *gradient;
-    float radiance[3]; // constant if all of the above are NULL; factor of a file
+    float radiance[3]; // of a constant environment if the above are NULL; else a factor on a file
 };
 bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
                                struct err *err);
