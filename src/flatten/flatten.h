@@ -93,7 +93,8 @@ struct flat_scene {
     // Other attributes, per triangle and corner; NULL if no used material needs them, or no mesh
     // has them. A tangent is a unit vector, not always orthogonal to the normal, followed by a
     // sign; the bitangent is sign * cross(normal, tangent). If a mesh has no tangents, they point
-    // in the direction of increasing u, or in an arbitrary one if that is undefined.
+    // in the direction of increasing u, or in an arbitrary direction if the texture coordinates do
+    // not define one.
     float (*tangents)[3][4];
     float (*uvs[2])[3][2]; // finite, 0 if missing; t points down
     float (*colors)[3][4]; // linear RGBA, 1 if missing

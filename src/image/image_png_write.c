@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Everything that must survive a longjmp is in this struct, outside the function that calls setjmp:
-// automatic variables changed after setjmp are indeterminate after longjmp (C17 7.13.2.1).
+// Everything that must survive a longjmp is in this struct, outside the function that calls setjmp,
+// because automatic variables changed after setjmp are indeterminate after longjmp (C17 7.13.2.1).
 struct png_writer {
     const struct image_write_params *params;
     struct byte_buffer *out;

@@ -126,7 +126,7 @@ struct environment_gradient;
 // the image, if there is one.
 struct environment {
     bool present;
-    float radiance[3];      // constant radiance, or the image's factor
+    float radiance[3];      // constant radiance, or a factor on the image
     double rotation;        // about +Y, radians; see environment.h
     uint32_t width, height; // 0 x 0: constant radiance
     float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y); see environment.h
@@ -258,8 +258,8 @@ struct scene_load_params {
     const struct scene_array *arrays; // meshes that a .json file may place
     uint32_t array_count;
     bool allow_outside_paths; // files may name files outside of their own folder
-    // The overrides come from a file in this folder: paths in them are relative to it and confined
-    // to it. NULL: they come from the user.
+    // The overrides come from a file in this folder: paths in them are relative to this folder and
+    // must lie in it. NULL: the overrides come from the user.
     const char *override_folder;
     uint32_t base_depth; // length of the chain of "base" files that leads to this one
     // Replacements of the file's environment; see environment.h and sky.h. If all three are NULL,

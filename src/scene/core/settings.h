@@ -77,7 +77,7 @@ void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_
 // Returns the radius that was set, or else the filter's default.
 float settings_filter_radius(const struct settings *settings);
 
-// Returns whether samples are spread over the pixel instead of all being at its centre.
+// Returns whether samples are spread over the pixel. Otherwise all are at its centre.
 bool settings_spread_over_pixel(const struct settings *settings);
 
 // The names of choices, in the order of their values; each list ends with NULL. Scene files,

@@ -5,7 +5,7 @@
 #include "scene/core/scene.h"
 
 struct texture_source {
-    const char *path; // trusted, or confined by the caller; NULL: use `data`
+    const char *path; // already checked for permission; NULL: use `data`
     const void *data; // the bytes of an image file (image/image.h)
     size_t size;
     const char *name; // for messages; NULL: the path

@@ -39,8 +39,8 @@ struct figure_field {
 // Makes the field of a figure. Webs are at least twice `thinnest` thick, so that a coarse grid does
 // not miss them.
 void figure_field_make(enum figure figure, double thinnest, struct figure_field *out);
-// Returns the value of the field: negative inside, and near the surface about the distance. *skin
-// becomes that of the nearest part, unless `skin` is NULL.
+// Returns the value of the field. It is negative inside, and near the surface it approximates the
+// signed distance. *skin becomes the skin of the nearest part, unless `skin` is NULL.
 double figure_field_value(const struct figure_field *field, const double p[3],
                           enum part_skin *skin);
 // Computes the outward unit normal by differences over `step`.

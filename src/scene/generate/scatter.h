@@ -7,7 +7,7 @@
 #define SCATTER_COUNT_MAX 1000000
 #define STREW_COUNT_MAX (1u << 24) // maximum number of instances and shapes of scattered copies
 #define SCATTER_SUBDIVISION_MAX 6
-#define SCATTER_SUBDIVISION 3 // the default
+#define SCATTER_SUBDIVISION 3 // default subdivision of spheres
 
 struct scatter {
     uint32_t count, seed;

@@ -45,7 +45,7 @@ static const struct {
 
 // --- keys ----------------------------------------------------------------------------------------
 
-// The models of a mask as text, such as "principled, dielectric".
+// The names of the models in a mask of bits 1 << MATERIAL_*, such as "principled, dielectric".
 struct model_list {
     char text[128];
 };

@@ -501,7 +501,7 @@ static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct 
 }
 
 // Reads the positions again, in double precision, if single precision loses details of the mesh.
-// `list` maps the mesh's vertices to the file's; NULL: they are the same.
+// `list` maps the mesh's vertices to the file's; NULL: both have the same indices.
 static bool read_exact(struct obj_parser *parser, const struct vertex_list *list, struct mesh *mesh,
                        struct err *err)
 {

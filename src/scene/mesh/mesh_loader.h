@@ -9,12 +9,12 @@
 bool mesh_open(struct scene *scene, struct arena *scratch, const char *path,
                struct text_reader *out, struct err *err);
 
-// Computes the unit vector along `direction`. If that is zero or not finite, writes (0,0,0), which
-// means that the normal is missing, and returns false.
+// Computes the unit vector along `direction`. If `direction` is zero or not finite, writes (0,0,0),
+// which means that the normal is missing, and returns false.
 bool mesh_unit_normal(const float direction[3], float out[3]);
 
-// Sets *material to `given`; if that is SCENE_NONE, to a new material: grey, or white if the
-// vertices have colours, which scale it.
+// Sets *material to `given`, or if `given` is SCENE_NONE, to a new material. The new material is
+// grey, or white if the vertices have colours, which scale it.
 bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors, uint32_t *material,
                            struct err *err);
 

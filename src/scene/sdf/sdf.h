@@ -51,7 +51,7 @@ double sdf_metaballs_gradient(const double (*balls)[4], uint32_t count);
 // packings lower bounds.
 double sdf_fractal_factor(const struct sdf_node *node);
 
-// Compiles a tree. The box of the result is that of the solid, clipped to `clip` if that is not
+// Compiles a tree. The box of the result is that of the solid, clipped to `clip` unless `clip` is
 // NULL; an infinite field needs `clip`. Fails with ERR_INPUT, naming the node that causes the
 // error. Memory comes from the arena; the tree is not needed afterwards. Sets the factors in the
 // tree.
