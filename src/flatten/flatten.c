@@ -32,8 +32,8 @@ struct flattening {
 };
 
 // Computes the normal of a triangle from its rounded corners, not normalised. It is exactly zero
-// for a triangle without area: differences of floats, and products of two such differences, are
-// exact in double precision unless their exponents are far apart.
+// for a triangle without area, because differences of floats, and products of two such differences,
+// are exact in double precision unless their exponents are far apart.
 static void triangle_normal(const struct flat_triangle *triangle, double out[3])
 {
     double edges[2][3];

@@ -75,9 +75,9 @@ enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 // A scene as arrays. Hidden instances and shapes are omitted from all arrays and counts, but keep
 // their indices in the scene.
 struct flat_scene {
-    // World position of the arrays' origin: geometry far from the world's origin is translated in
-    // double precision before it is rounded (docs/verification.md, C2). (0,0,0) unless max
-    // |coordinate| exceeds 16 times the scene's extent: then the centre of the bounding box. If
+    // World position of the arrays' origin. Geometry far from the world's origin is translated in
+    // double precision before it is rounded (docs/verification.md, C2). The origin is (0,0,0), or
+    // if max |coordinate| exceeds 16 times the scene's extent, the centre of the bounding box. If
     // that origin is too far from the object that the camera resolves best (more than 4096 times
     // the greater of the object's size and its distance from the camera), the origin is at this
     // object.
@@ -155,7 +155,7 @@ void flat_instance_triangles(const struct flat_scene *flat, uint32_t instance, u
 // Returns a hash of all input of scene_flatten() except the camera; if two hashes are equal, so are
 // the results. Vertices and indices of meshes are hashed by their addresses, so hashes are only
 // comparable for one scene, whose meshes stay as they were loaded. The function processes some GB/s
-// of instances, shapes and triangles' materials. Moving the camera does not change the hash: the
+// of instances, shapes and triangles' materials. Moving the camera does not change the hash. The
 // coordinates keep the origin that was chosen for its earlier position.
 uint64_t flatten_key(const struct flatten_params *params);
 

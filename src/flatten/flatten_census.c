@@ -11,7 +11,7 @@
 // --- meshes --------------------------------------------------------------------------------------
 
 // Single-precision coordinates in a file that are far from the file's origin have already lost
-// digits: above this ratio of distance from the origin to size, a mesh has fewer than 2^24 / 2^18 =
+// digits. Above this ratio of distance from the origin to size, a mesh has fewer than 2^24 / 2^18 =
 // 64 distinct coordinates across (docs/verification.md, C2).
 #define COARSE_RATIO 262144
 
@@ -257,7 +257,7 @@ static void warn_of_skipped(const struct scene *scene, const struct census *cens
 
 // --- sharing -------------------------------------------------------------------------------------
 
-// The least number of triangles of a shared mesh: a smaller mesh takes less memory than the records
+// The least number of triangles of a shared mesh. A smaller mesh takes less memory than the records
 // of its instances.
 #define SHARED_TRIANGLES_MIN 12
 // The least number of triangles that sharing must save. Tracing two levels takes 1.3 times as long

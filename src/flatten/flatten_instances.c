@@ -38,7 +38,7 @@ static bool set_transforms(const double transform[3][4], const struct bounds *me
 }
 
 // Adds the box of the mesh's rounded vertices after the rounded transform to the bounds. It has a
-// margin for rounding: each coordinate is a sum of four terms.
+// margin for the rounding errors of each coordinate, which is a sum of four terms.
 static void bound_instance(struct flat_scene *flat, const struct flat_instance *instance)
 {
     const struct flat_mesh *mesh = &flat->meshes[instance->mesh];

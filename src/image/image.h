@@ -121,8 +121,8 @@ struct image_texels {
 // Decodes an image with its alpha. Images with at most 8 bits per component (PNG, JPEG, WebP, TGA)
 // are decoded to halves, whose steps in [0, 1] are at most 2^-11, an eighth of the step of 8-bit
 // codes; all others to floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores
-// colours multiplied by alpha (OpenEXR technical introduction, "Alpha"): decoding divides them by
-// alpha, unless alpha is 0.
+// colours multiplied by alpha (OpenEXR technical introduction, "Alpha"), so decoding divides them
+// by alpha, unless alpha is 0.
 bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
                          struct arena *arena, struct image_texels *out, struct err *err);
 // Returns whether image_read_params.is_linear applies to this file: its colours are sRGB-encoded

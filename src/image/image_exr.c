@@ -56,8 +56,8 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
     return (int64_t)size;
 }
 
-// Allocates zeroed memory: for damaged blocks some decompressors fill only a part and report
-// success, and the rest must be black, not arbitrary memory.
+// Allocates zeroed memory, because for damaged blocks some decompressors fill only a part and
+// report success, and the rest must be black, not arbitrary memory.
 static void *allocate_zeroed(size_t size)
 {
     return memory_alloc(size);

@@ -24,8 +24,9 @@ bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_cod
               struct err *err);
 
 // Decodes a chunk to its decompressed bytes, decoder->unpacked_buffer. The library's own unpacking
-// is not used: with three channels, version 3.1.5 writes through the null pointer that should make
-// it skip a channel. *is_ready says whether an earlier call has initialised the decoder.
+// is not used, because with three channels, version 3.1.5 writes through the null pointer that
+// should make it skip a channel. *is_ready says whether an earlier call has initialised the
+// decoder.
 exr_result_t exr_decode_bytes(exr_const_context_t context, const exr_chunk_info_t *chunk,
                               exr_decode_pipeline_t *decoder, bool *is_ready);
 

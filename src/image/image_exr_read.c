@@ -312,7 +312,8 @@ static bool copy_attributes(struct exr_reader *reader, struct arena *arena,
                                               &attribute),
                    err))
             return false;
-        // "type" belongs to the format, not to the metadata: it distinguishes scanlines and tiles.
+        // "type" belongs to the format, not to the metadata, because it distinguishes scanlines and
+        // tiles.
         if (attribute->type != EXR_ATTR_STRING || strcmp(attribute->name, "type") == 0)
             continue;
         char *key = arena_strdup(arena, attribute->name);

@@ -40,8 +40,8 @@ static void leave(j_common_ptr common)
     longjmp(reader->on_error, 1);
 }
 
-// Decides whether a message of the library is an error. Level -1 is a warning: the library
-// continues with invented pixels, so it is an error here, except for warnings about bytes between
+// Decides whether a message of the library is an error. Level -1 is a warning. The library then
+// continues with invented pixels, so warnings are errors here, except those about bytes between
 // segments and about JFIF, Adobe and ICC markers, which do not affect the image.
 static void judge_message(j_common_ptr common, int level)
 {

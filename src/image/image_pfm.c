@@ -34,7 +34,7 @@ static bool next_word(struct pfm_reader *reader, char *word, size_t size)
 
 static bool read_side(struct pfm_reader *reader, uint64_t *side)
 {
-    char word[12]; // nine digits at most: larger sizes exceed any memory
+    char word[12]; // at most nine digits, because larger sizes exceed any memory
     char *end;
     if (!next_word(reader, word, sizeof word) || !isdigit((unsigned char)word[0]) ||
         strlen(word) > 9)

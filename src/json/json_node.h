@@ -3,7 +3,7 @@
 // 1]".
 //
 // A node is a value together with its path; nodes live on the stack and point at their parents.
-// Readers take the object and a key. An absent key leaves the output unchanged: set defaults
+// Readers take the object and a key. An absent key leaves the output unchanged. Set defaults
 // before, and name required keys in node_check_object.
 #ifndef LAMPYRIS_JSON_JSON_NODE_H
 #define LAMPYRIS_JSON_JSON_NODE_H

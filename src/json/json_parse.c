@@ -4,10 +4,11 @@
 #include <assert.h>
 #include <setjmp.h>
 
-// jansson 2.14 does not handle failed allocations correctly while it parses: if its buffer for a
+// jansson 2.14 does not handle failed allocations correctly while it parses. If its buffer for a
 // string cannot grow, it continues without the rest of the string and then writes past the end of
 // the allocated memory. So a failed allocation leaves the parser at once, by longjmp, and the
-// parser's allocations so far are freed here: every block is in a list until the parse has ended.
+// parser's allocations so far are freed here. For this, every block is in a list until the parse
+// has ended.
 struct block {
     struct block *previous, *next; // NULL: not allocated by a parse
 };

@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include <jansson.h>
 
-// Makes jansson allocate by the two functions below: its memory then counts against the budget of
+// Makes jansson allocate by the two functions below. Its memory then counts against the budget of
 // the process (memory.h), and a failed allocation does no harm to json_parse(). Call it before
 // jansson allocates anything. It affects the whole process, so only a program may call it, not a
 // library, whose caller may use jansson, too.

@@ -177,8 +177,8 @@ static bool is_factor(double factor, double unit, bool is_float, double value)
     return is_float ? (float)(factor * unit) == (float)value : factor * unit == value;
 }
 
-// Tries short decimal numbers first, and then the neighbours of the quotient: a solution is at most
-// two roundings away from it.
+// Tries short decimal numbers first, and then the neighbours of the quotient, because a solution is
+// at most two roundings away from it.
 bool json_text_factor(double value, double unit, bool is_float, double *out)
 {
     double quotient = value / unit, near[4];

@@ -20,7 +20,7 @@ double spot_width(const struct light *light);
 double spot_solid_angle(const struct light *light);
 
 // Points a light in another direction, which may have any length; a direction of length zero has no
-// effect. A profile rotates with the light: its plane at 0 degrees stays as near to its previous
+// effect. A profile rotates with the light. Its plane at 0 degrees stays as near to its previous
 // position as orthogonality permits.
 void light_aim(struct light *light, const double direction[3]);
 

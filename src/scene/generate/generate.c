@@ -9,7 +9,7 @@
 
 // The surface is r(d) d over unit directions d, with r(d) = 1 + sum of a_i sin(k_i . d). The sine
 // of a linear form is odd in d, so that the mean radius over all directions is exactly 1. The
-// amplitudes add up to 0.32: the radius stays within [0.68, 1.32]. The wave vectors k_i are
+// amplitudes add up to 0.32, so the radius stays within [0.68, 1.32]. The wave vectors k_i are
 // arbitrary; their lengths of 3 to 20 give bumps from a third of the circumference down to a
 // twentieth.
 static const struct wave {
@@ -51,7 +51,7 @@ struct grid {
 };
 
 // Chooses a grid. With n bands of latitude, n - 1 rings and 2 n columns there are 4 n (n - 1)
-// triangles: the bands at the poles have one triangle per column, the others two.
+// triangles, because the bands at the poles have one triangle per column, the others two.
 static struct grid choose_grid(uint32_t triangles)
 {
     double bands = floor(0.5 * (1.0 + sqrt(1.0 + (double)triangles)));
@@ -91,7 +91,8 @@ static void set_triangle(struct mesh *mesh, uint32_t *next, uint32_t a, uint32_t
     corners[2] = c;
 }
 
-// Triangles are counter-clockwise as seen from outside: columns run eastwards, rings southwards.
+// Triangles are counter-clockwise as seen from outside. Columns run eastwards, and rings
+// southwards.
 static void fill_triangles(struct grid grid, struct mesh *mesh)
 {
     uint32_t next = 0, south = mesh->vertex_count - 1;

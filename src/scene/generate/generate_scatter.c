@@ -65,7 +65,7 @@ static bool is_free(const struct grid *grid, const struct scattered_sphere *sphe
     return true;
 }
 
-// Counts tries and comparisons, so that stops are polled for at even intervals: a position may take
+// Counts tries and comparisons, so that stops are polled for at even intervals. A position may take
 // a thousand tries, and a try as many comparisons as there are spheres.
 struct polling {
     uint64_t work, polled; // comparisons and tries, in total and at the last poll

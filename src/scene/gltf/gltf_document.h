@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #define GLTF_NONE UINT32_MAX // no index
-// The maximum number of elements: indices have 32 bits, and GLTF_NONE is reserved.
+// The maximum number of elements. Indices have 32 bits, and GLTF_NONE is reserved.
 #define GLTF_MAX_COUNT (UINT32_MAX - 1u)
 
 // The document's arrays of objects.
@@ -49,7 +49,7 @@ struct gltf_document {
     const struct gltf_source *source;
     struct arena arena; // owns the buffers and other data that lives as long as the document
     json_t *json;
-    struct json_node root; // do not copy this struct: nodes point into it
+    struct json_node root; // nodes point into this struct, so do not copy it
     struct json_node lists[GLTF_LIST_COUNT];
     uint32_t counts[GLTF_LIST_COUNT];
     struct gltf_buffer *buffers; // counts[GLTF_BUFFERS] elements

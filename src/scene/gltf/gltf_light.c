@@ -1,6 +1,6 @@
 // Lights of KHR_lights_punctual. Intensities are in candela and illuminances in lux in the file,
-// and in W/sr and W/m^2 in the scene. As with emission, the numbers are not converted: exporters
-// disagree on whether they include 683 lm/W, and the spectrum is not specified.
+// and in W/sr and W/m^2 in the scene. As with emission, the numbers are not converted, because
+// exporters disagree on whether they include 683 lm/W, and the spectrum is not specified.
 #include "scene/gltf/gltf_load.h"
 
 #include "scene/core/affine.h"

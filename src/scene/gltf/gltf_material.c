@@ -1,5 +1,5 @@
 // Converts materials (glTF 2.0, section 3.9) to the principled model: metallic-roughness, normals,
-// emission and alpha, or the models that replace these. Back faces are not culled: both sides have
+// emission and alpha, or the models that replace these. Back faces are not culled. Both sides have
 // the same material, whatever "doubleSided" says.
 #include "scene/gltf/gltf_material.h"
 

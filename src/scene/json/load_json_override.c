@@ -188,7 +188,7 @@ static bool resolve_object(const struct json_node *object, json_t *definitions, 
     const char *key;
     json_t *value;
     // Replacing the value of an existing key does not disturb the iteration. The overrides of a
-    // base are skipped: references in them refer to the base's definitions.
+    // base are skipped, because references in them refer to the base's definitions.
     bool is_base = object->parent && !object->parent->parent && object->key &&
                    strcmp(object->key, "base") == 0;
     json_object_foreach(object->value, key, value)

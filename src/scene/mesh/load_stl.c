@@ -1,6 +1,7 @@
 // Reads STL files (stereolithography, 3D Systems 1988), binary and ASCII. Corners at the same
-// position become one vertex. Facet normals are ignored: they follow from the corners, which are
-// counter-clockwise as seen from outside. The format has no unit; numbers are taken as metres.
+// position become one vertex. Facet normals are ignored, because they follow from the corners,
+// which are counter-clockwise as seen from outside. The format has no unit; numbers are taken as
+// metres.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"

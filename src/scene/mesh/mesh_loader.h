@@ -94,12 +94,12 @@ struct mtl_library {
     uint32_t count, capacity;
 };
 
-// Appends the materials of an MTL file unless it was read before: many OBJ files name theirs
-// repeatedly. Names and arrays live in `arena`. mtl_material.c describes which statements make
-// which material. Colours outside [0, 1] are clamped, negative emission becomes 0, and spectral and
-// XYZ colours and unknown maps are skipped, with one warning of each kind per file. The file's
-// bytes are added to *hash. `path` must live as long as the library. *missing becomes true if the
-// file does not exist or cannot be read. `err` must not be NULL.
+// Appends the materials of an MTL file unless it was read before, because many OBJ files name a
+// library repeatedly. Names and arrays live in `arena`. mtl_material.c describes which statements
+// make which material. Colours outside [0, 1] are clamped, negative emission becomes 0, and
+// spectral and XYZ colours and unknown maps are skipped, with one warning of each kind per file.
+// The file's bytes are added to *hash. `path` must live as long as the library. *missing becomes
+// true if the file does not exist or cannot be read. `err` must not be NULL.
 bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
               bool *missing, struct err *err);
 

@@ -144,7 +144,7 @@ static bool load_image(struct scene *scene, const struct mtl_material *wanted,
 }
 
 // Returns whether a bump map contains tangent-space normals, as many exporters write them, rather
-// than heights: normals point outwards on average.
+// than heights. Normals point outwards on average.
 static bool holds_normals(const struct texture_image *image)
 {
     return fabsf(image->mean[0] - 0.5f) < 0.2f && fabsf(image->mean[1] - 0.5f) < 0.2f &&

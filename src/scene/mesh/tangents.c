@@ -93,7 +93,7 @@ static bool list_members(struct tangent_work *work, struct members *members)
     members->first = ARENA_NEW(&work->arena, uint32_t, (size_t)work->group_count + 2);
     if (!members->corners || !members->first)
         return false;
-    // Sorts by counting: the counts are stored two places further and are shifted by one while
+    // Sorts by counting. The counts are stored two places further and are shifted by one while
     // filling in.
     for (uint32_t c = 0; c < work->corner_count; c++)
         members->first[work->group[c] + 2]++;
@@ -341,7 +341,7 @@ static bool generate(struct tangent_work *work, struct arena *arena, struct mesh
     return is_kept || rebuild(&split, arena, mesh);
 }
 
-// The maximum number of triangles: every corner must have a number below TANGENT_NONE.
+// The maximum number of triangles. The number of every corner must be below TANGENT_NONE.
 #define MOST_TRIANGLES (UINT32_MAX / 3)
 
 bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, const struct progress *progress,

@@ -8,7 +8,7 @@
 // Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited", section 3.3 and appendix, with the
 // rules of his reference program, so that they fit normal maps that were baked with it. The sign of
 // the bitangent is for maps whose green points up in the image, although t points down. Vertices
-// whose corners need different tangents are split: then all vertex arrays and the indices are new,
+// whose corners need different tangents are split. Then all vertex arrays and the indices are new,
 // in order of first use. Memory of the result comes from `arena`; the mesh's old arrays are
 // unchanged.
 bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, const struct progress *progress,

@@ -23,8 +23,8 @@ struct sdf_node {
     double scale; // scale factor of to_parent
 };
 
-// The number of cells on each side that stands for infinite repetition: coordinates cannot resolve
-// more.
+// The number of cells on each side that stands for infinite repetition. Coordinates cannot resolve
+// more cells.
 #define SDF_ENDLESS 1e30
 
 // Returns a box in the parent's space that contains all points at which the node's field is at most

@@ -149,8 +149,8 @@ static double sun_spectrum(double nm)
 }
 
 // Returns the transmittance of the atmosphere for scattering by air and haze (appendix A.1). In
-// these equations the exponents apply to the wavelength alone, as in Iqbal 1983: the air mass is a
-// factor.
+// these equations the exponents apply to the wavelength alone, as in Iqbal 1983, and the air mass
+// is a factor.
 static double transmittance(double nm, double turbidity, double mass)
 {
     double micrometres = nm * 1e-3, beta = 0.04608 * turbidity - 0.04586;
@@ -248,7 +248,7 @@ struct bake {
     atomic_uint clipped;
 };
 
-// Returns one of the two Gauss-Legendre points on [0, 1]: a texel is the mean over two points each
+// Returns one of the two Gauss-Legendre points on [0, 1]. A texel is the mean over two points each
 // in height and azimuth.
 static double gauss_point(int i)
 {

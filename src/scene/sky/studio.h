@@ -3,7 +3,7 @@
 //
 // The light is an environment: three soft boxes (key, fill, rim) at infinity in front of a plain
 // background. It needs no geometry and is sampled like any environment. It is scaled so that a
-// horizontal surface receives the irradiance pi, as from a constant environment of radiance 1: a
+// horizontal surface receives the irradiance pi, as from a constant environment of radiance 1. A
 // white horizontal surface then has radiance 1.
 //
 // The ground is an infinite plane. Far from the model it reflects the same radiance in all
@@ -22,10 +22,11 @@
 // that of its lights towards the sphere. For comparison, this radiance is 1 for the studio's light
 // on a horizontal surface.
 //
-// The limit is four stops below 1: zone I of Adams's scale (The Negative, 1981), where middle grey
-// is zone V, is the first tone that differs from black, without any texture. Weaker emission is
-// meant to be seen, not to light the model. Emissive triangles whose area vanishes when their
-// positions are rounded count, because they are meant to light: flattening warns of them.
+// The limit is four stops below 1. In Adams's zone system (The Negative, 1981), zone I is four
+// stops below middle grey, which is zone V. It is the first tone that differs from black, and shows
+// no texture. Weaker emission is meant to be seen, not to light the model. Emissive triangles whose
+// area vanishes when their positions are rounded count, because they are meant to light. Flattening
+// warns of them.
 #define STUDIO_EMISSION_LEAST (1.0 / 16)
 bool scene_is_lit(const struct scene *scene, double *emission);
 
