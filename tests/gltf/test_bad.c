@@ -361,8 +361,8 @@ TEST(primitives)
          "{",
          {"meshes[0].primitives[0]: \"attributes\" is missing"}},
         {"'mode':4", "'mode':7", {"meshes[0].primitives[0].mode: 7 is outside [0, 6]"}},
-        {"'material':0", "'material':1", {"meshes[0].primitives[0].material: 1, expected"}},
-        {"'indices':2,", "'indices':3,", {"meshes[0].primitives[0].indices: 3, expected"}},
+        {"'material':0", "'material':1", {"meshes[0].primitives[0].material: 1; expected"}},
+        {"'indices':2,", "'indices':3,", {"meshes[0].primitives[0].indices: 3; expected"}},
         {"'indices':2,", "'indices':0,", {"accessors[0].type: \"VEC3\"; expected \"SCALAR\""}},
         {"'indices':2,", "", {"meshes[0].primitives[0]: 4 vertices of triangles"}},
         {"'count':6,'type':'SCALAR'",
@@ -415,7 +415,7 @@ TEST(nodes)
         {"'nodes':[0]", "'nodes':[1]", {"scenes[0].nodes[0]: node 1 is a child of nodes[0]"}},
         {"'nodes':[0]", "'nodes':[0,0]", {"scenes[0].nodes[1]: node 0 is named twice"}},
         {"'nodes':[0]", "'nodes':[3]", {"scenes[0].nodes[0]: 3; "}},
-        {"'name':'root','mesh':0", "'name':'root','mesh':1", {"nodes[0].mesh: 1, expected"}},
+        {"'name':'root','mesh':0", "'name':'root','mesh':1", {"nodes[0].mesh: 1; expected"}},
         {"'name':'root','mesh':0", "'mesh':0.0", {"nodes[0].mesh: "}},
         {"'translation':[1,2,3]", "'translation':[1,2]", {"nodes[1].translation: 2 elements"}},
         {"'translation':[1,2,3]", "'translation':[1,2,'3']", {"nodes[1].translation[2]: "}},
@@ -455,7 +455,7 @@ TEST(infinite_transform)
 TEST(cameras_and_materials)
 {
     static const struct bad_case cases[] = {
-        {"'camera':0", "'camera':1", {"nodes[2].camera: 1, expected"}},
+        {"'camera':0", "'camera':1", {"nodes[2].camera: 1; expected"}},
         {"'type':'perspective',", "", {"cameras[0]: \"type\" is missing"}},
         {"'type':'perspective',", "'type':'fisheye',", {"cameras[0].type: "}},
         {"'perspective':{", "'x':{", {"cameras[0]: \"perspective\" is missing"}},
@@ -561,10 +561,10 @@ TEST(values)
     check_binary(&binary, "accessors[2]: element 0 is 65535, the primitive restart value");
     binary = sample_binary;
     binary.sparse_indices[0] = 3;
-    check_binary(&binary, "accessors[0].sparse.indices: element 1 is 3; expected indices that");
+    check_binary(&binary, "accessors[0].sparse.indices: element 1 is 3; expected strictly");
     binary = sample_binary;
     binary.sparse_indices[1] = 4;
-    check_binary(&binary, "accessors[0].sparse.indices: element 1 is 4; expected indices that");
+    check_binary(&binary, "accessors[0].sparse.indices: element 1 is 4; expected strictly");
     binary = sample_binary;
     binary.positions[0][0] = FLT_MAX; // large but finite; the bounds of the world are checked later
     struct scene scene;

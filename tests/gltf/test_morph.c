@@ -195,7 +195,7 @@ TEST(bad_targets)
 {
     check_rejected(WITH_TARGETS("7"), "meshes[0].primitives[0].targets: expected an array");
     check_rejected(WITH_TARGETS("[7]"), "meshes[0].primitives[0].targets[0]: expected an object");
-    check_rejected(WITH_TARGETS("[{'POSITION':99}]"), "targets[0].POSITION: 99, expected an index");
+    check_rejected(WITH_TARGETS("[{'POSITION':99}]"), "targets[0].POSITION: 99; expected an index");
     check_rejected(WITH_TARGETS("[{'POSITION':13}]"),
                    "accessors[13]: 2 displacements of POSITION for 3 vertices");
     check_rejected(WITH_TARGETS("[{'POSITION':2}]"),

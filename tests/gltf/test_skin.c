@@ -316,7 +316,7 @@ TEST(bad_skins)
     check_rejected(SKIN("'joints':[1,'a']"), "skins[0].joints[1]: expected the index of a node");
     check_rejected(SKIN("'joints':[1,3]"), "skins[0].joints[1]: 3; expected the index of a node");
     check_rejected(SKIN("'joints':[1,-1]"), "skins[0].joints[1]: -1; ");
-    check_rejected(SKIN("'joints':[1,2],'skeleton':3"), "skins[0].skeleton: 3, expected an index");
+    check_rejected(SKIN("'joints':[1,2],'skeleton':3"), "skins[0].skeleton: 3; expected an index");
     check_rejected(SKIN("'joints':[1,2],'inverseBindMatrices':15"),
                    "skins[0].inverseBindMatrices: 15; expected an index below 15");
     check_rejected(SKIN("'joints':[1,2],'inverseBindMatrices':14"),
@@ -337,8 +337,8 @@ TEST(bad_weights)
     check_rejected(WITH("'x':0"), "meshes[0].primitives[0].attributes: \"JOINTS_0\" is missing");
     check_rejected(WITH("'JOINTS_0':5"), "attributes: \"WEIGHTS_0\" is missing");
     check_rejected(WITH("'JOINTS_0':5,'WEIGHTS_0':6,'JOINTS_1':7"), "\"WEIGHTS_1\" is missing");
-    check_rejected(WITH("'JOINTS_0':99,'WEIGHTS_0':6"), "attributes.JOINTS_0: 99, expected");
-    check_rejected(WITH("'JOINTS_0':5,'WEIGHTS_0':99"), "attributes.WEIGHTS_0: 99, expected");
+    check_rejected(WITH("'JOINTS_0':99,'WEIGHTS_0':6"), "attributes.JOINTS_0: 99; expected");
+    check_rejected(WITH("'JOINTS_0':5,'WEIGHTS_0':99"), "attributes.WEIGHTS_0: 99; expected");
     check_rejected(WITH("'JOINTS_0':9,'WEIGHTS_0':6"),
                    "accessors[9]: element 1, component 2 is 2; expected an index below the number "
                    "of joints, 2");

@@ -92,7 +92,8 @@ TEST(halves_are_rounded_and_saturate)
     encode(&(struct image_write_params){.path = "m.exr", .image = &image, .half_float = true},
            &file);
     log_configure(LOG_WARN, NULL, NULL);
-    CHECK(warnings == 1 && strstr(last_warning, "m.exr: 2 values past 65504"), "%s", last_warning);
+    CHECK(warnings == 1 && strstr(last_warning, "m.exr: 2 values exceed 65504"), "%s",
+          last_warning);
     REQUIRE(decode_layer(&file, NULL, &arena, &back, NULL));
     CHECK(back.pixels[0][0] == 0.333251953125f && back.pixels[0][1] == 1 &&
           back.pixels[0][2] == 1 + 0x1p-9f);

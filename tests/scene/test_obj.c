@@ -438,16 +438,16 @@ TEST(errors_name_file_line_value_and_expectation)
     static const struct {
         const char *text, *message;
     } cases[] = {
-        {SQUARE "f 1 0 2\n", "mesh.obj:5: vertex 0, expected indices from 1"},
+        {SQUARE "f 1 0 2\n", "mesh.obj:5: vertex 0; expected indices from 1"},
         {SQUARE "f 1 2 5\n", "mesh.obj:5: vertex 5, but the file has 4"},
         {SQUARE "f 1 2 -5\n", "mesh.obj:5: vertex -5, but only 4 are defined above"},
         {SQUARE "f 1 2 99999999999999999999\n", "mesh.obj:5: vertex 9223372036854775807, but"},
         {SQUARE "f 1 2 -99999999999999999999\n", "mesh.obj:5: vertex -9223372036854775807, but"},
         {"f -1 -2 -3\n" SQUARE, "mesh.obj:1: vertex -1, but only 0 are defined above"},
         {SQUARE "f 1//1 2//1 3//1\n", "mesh.obj:5: normal 1, but the file has 0"},
-        {SQUARE "vn 0 0 1\nf 1//0 2//1 3//1\n", "mesh.obj:6: normal 0, expected"},
+        {SQUARE "vn 0 0 1\nf 1//0 2//1 3//1\n", "mesh.obj:6: normal 0; expected"},
         {SQUARE "f 1/2 2/1 3/1\n", "mesh.obj:5: texture coordinate 2, but the file has 0"},
-        {SQUARE "f 1 2\n", "mesh.obj:5: a face of 2 corners, expected at least 3"},
+        {SQUARE "f 1 2\n", "mesh.obj:5: a face of 2 corners; expected at least 3"},
         {SQUARE "f\n", "mesh.obj:5: a face of 0 corners"},
         {SQUARE "f 1 2 x\n", "mesh.obj:5: expected a face's index, found 'x'"},
         {SQUARE "f 1 2 3/\n", "mesh.obj:5: expected a face's index, found the end of the line"},
@@ -460,9 +460,9 @@ TEST(errors_name_file_line_value_and_expectation)
         {"v 1 0x10 3\n", "found '0x10'"},
         {"v 1 1.#INF 3\n", "found '1.#INF'"},
         {"v 1 \x1b[2J 3\n", "found '?[2J'"},
-        {"v 1 2 3\nv 0 nan 0\n", "mesh.obj:2: vertex 2: y is nan, expected a finite number"},
-        {"v 1 2 -inf\n", "mesh.obj:1: vertex 1: z is -inf, expected a finite number"},
-        {"v 1e39 2 3\n", "mesh.obj:1: vertex 1: x is inf, expected a finite number"},
+        {"v 1 2 3\nv 0 nan 0\n", "mesh.obj:2: vertex 2: y is nan; expected a finite number"},
+        {"v 1 2 -inf\n", "mesh.obj:1: vertex 1: z is -inf; expected a finite number"},
+        {"v 1e39 2 3\n", "mesh.obj:1: vertex 1: x is inf; expected a finite number"},
         {"vn 1 2\n", "mesh.obj:1: expected three numbers after vn"},
         {"v 0 \\\n 0 \\\n a\n", "mesh.obj:3: expected three numbers after v, found 'a'"},
     };
@@ -479,7 +479,7 @@ TEST(errors_in_mtl_files)
         {"newmtl a\nKd\n", "bad.mtl:2: expected a number after Kd, found the end of the line"},
         {"newmtl a\nKd 1 2\n", "bad.mtl:2: expected a number after Kd"},
         {"newmtl a\nKe 1 2 red\n", "bad.mtl:2: expected a number after Ke, found 'red'"},
-        {"newmtl a\nKd 1 inf 1\n", "bad.mtl:2: a number after Kd: inf, expected a finite number"},
+        {"newmtl a\nKd 1 inf 1\n", "bad.mtl:2: a number after Kd: inf; expected a finite number"},
         {"newmtl a\nillum x\n", "bad.mtl:2: expected an integer after illum, found 'x'"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -97,7 +97,7 @@ TEST(refused)
     make_binary(bytes);
     memcpy(bytes + 84 + 12 + 12, &(float){INFINITY}, 4);
     check_mesh_refused(load, write_bytes("mesh.stl", bytes, BINARY_BYTES),
-                       "triangle 0: corner 1 is (inf, 0, 0), expected finite");
+                       "triangle 0: corner 1 is (inf, 0, 0); expected finite");
 }
 
 TEST(by_extension)

@@ -120,7 +120,7 @@ static bool read_kinds(struct json_loader *loader, const struct json_node *list,
             return false;
         sum += strewn->kinds[i].weight;
     }
-    return sum > 0 || node_fail(list, err, "all weights are zero");
+    return sum > 0 || node_fail(list, err, "all weights are zero; expected a positive weight");
 }
 
 static bool read_scatter(struct json_loader *loader, const struct json_node *node,

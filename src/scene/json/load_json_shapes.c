@@ -111,7 +111,7 @@ static bool fit_part(struct scene *scene, const struct scene_part *part,
             scale = fmin(scale, (high[i] - low[i]) / (bounds.max[i] - bounds.min[i]));
     }
     if (!isfinite(scale) || !(scale > 0))
-        return node_fail(node, err, "the mesh has no size that could be fitted");
+        return node_fail(node, err, "the mesh has no size; expected one that can be scaled");
     double fit[3][4] = {{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}};
     for (int i = 0; i < 3; i++)
         fit[i][3] = (low[i] + high[i] - scale * (bounds.min[i] + bounds.max[i])) / 2;

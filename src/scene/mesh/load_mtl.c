@@ -98,7 +98,7 @@ static bool read_color(struct mtl_parser *parser, const char *what, float max, f
         if (!text_float(&parser->text, what, &color[c], err))
             return false;
         if (!isfinite(color[c]))
-            return text_fail(&parser->text, err, "%s: %g, expected a finite number", what,
+            return text_fail(&parser->text, err, "%s: %g; expected a finite number", what,
                              (double)color[c]);
     }
     clamp_color(parser, max, color);
@@ -114,7 +114,7 @@ static bool read_scalar(struct mtl_parser *parser, const char *what, float max, 
     if (!text_float(&parser->text, what, &value[0], err))
         return false;
     if (!isfinite(value[0]))
-        return text_fail(&parser->text, err, "%s: %g, expected a finite number", what,
+        return text_fail(&parser->text, err, "%s: %g; expected a finite number", what,
                          (double)value[0]);
     value[1] = value[2] = value[0];
     clamp_color(parser, max, value);

@@ -154,7 +154,7 @@ static bool count_statement(struct obj_parser *parser, struct err *err)
     case OBJ_FACE:
         corners = count_words(&parser->text);
         if (corners < 3)
-            return text_fail(&parser->text, err, "a face of %llu corners, expected at least 3",
+            return text_fail(&parser->text, err, "a face of %llu corners; expected at least 3",
                              (unsigned long long)corners);
         counts->triangles += corners - 2;
         break;
@@ -230,7 +230,7 @@ static bool read_position(struct obj_parser *parser, struct err *err)
         if (!text_float(&parser->text, "three numbers after v", &position[c], err))
             return false;
         if (!isfinite(position[c]))
-            return text_fail(&parser->text, err, "vertex %llu: %c is %g, expected a finite number",
+            return text_fail(&parser->text, err, "vertex %llu: %c is %g; expected a finite number",
                              (unsigned long long)parser->seen.positions, 'x' + c,
                              (double)position[c]);
     }
@@ -270,7 +270,7 @@ static bool read_index(struct obj_parser *parser, const char *what, uint64_t see
     if (!text_integer(&parser->text, "a face's index", &given, err))
         return false;
     if (given == 0)
-        return text_fail(&parser->text, err, "%s 0, expected indices from 1 on or negative", what);
+        return text_fail(&parser->text, err, "%s 0; expected indices from 1 on or negative", what);
     if (given > 0 && (uint64_t)given > count)
         return text_fail(&parser->text, err, "%s %lld, but the file has %llu", what,
                          (long long)given, (unsigned long long)count);

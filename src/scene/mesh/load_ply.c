@@ -181,7 +181,7 @@ static bool add_corner(struct ply_parser *parser, const struct ply_property *pro
         return true;
     }
     if (index < 0.0 || index >= (double)parser->header.vertices->count)
-        return ply_fail(parser, err, "vertex index %.0f, expected 0 or more and below %llu", index,
+        return ply_fail(parser, err, "vertex index %.0f; expected 0 or more and below %llu", index,
                         (unsigned long long)parser->header.vertices->count);
     uint32_t corner = (uint32_t)index;
     if (property->use == USE_STRIP ? !add_strip_corner(parser, run, corner, err)
@@ -201,9 +201,9 @@ static bool read_list(struct ply_parser *parser, const struct ply_property *prop
     if (!read_value(parser, property->count_type, &count, err))
         return false;
     if (count < 0.0)
-        return ply_fail(parser, err, "a list of %.0f entries, expected 0 or more", count);
+        return ply_fail(parser, err, "a list of %.0f entries; expected 0 or more", count);
     if (property->use == USE_POLYGON && count < 3.0)
-        return ply_fail(parser, err, "a face of %.0f corners, expected at least 3", count);
+        return ply_fail(parser, err, "a face of %.0f corners; expected at least 3", count);
     bool is_ascii = parser->header.format == PLY_ASCII;
     uint64_t entries = (uint64_t)count, size = is_ascii ? 2 : ply_type_size(property->type);
     if (!check_room(parser, entries, size, err))
@@ -244,7 +244,7 @@ static bool store_vertex(struct ply_parser *parser, const double values[VERTEX_V
     for (int c = 0; c < 3; c++) {
         position[c] = (float)values[USE_X + c];
         if (!isfinite(position[c]))
-            return ply_fail(parser, err, "%c is %g, expected a finite number in single precision",
+            return ply_fail(parser, err, "%c is %g; expected a finite number in single precision",
                             'x' + c, values[USE_X + c]);
     }
     if (parser->normals) {

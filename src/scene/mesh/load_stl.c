@@ -91,7 +91,7 @@ static bool read_binary(struct stl_parser *parser, struct err *err)
             if (!is_finite(corners[corner]))
                 return err_set(
                     err, ERR_INPUT,
-                    "%s: triangle %u: corner %d is (%g, %g, %g), expected finite numbers",
+                    "%s: triangle %u: corner %d is (%g, %g, %g); expected finite numbers",
                     parser->text.path, i, corner, (double)corners[corner][0],
                     (double)corners[corner][1], (double)corners[corner][2]);
         if (!add_triangle(parser, corners, err))
@@ -129,7 +129,7 @@ static bool read_corner(struct stl_parser *parser, float corner[3], struct err *
     }
     parser->exact_count++;
     return is_finite(corner) || text_fail(&parser->text, err,
-                                          "the corner is (%g, %g, %g), expected finite numbers in "
+                                          "the corner is (%g, %g, %g); expected finite numbers in "
                                           "single precision",
                                           (double)corner[0], (double)corner[1], (double)corner[2]);
 }

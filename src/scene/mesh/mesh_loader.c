@@ -104,7 +104,7 @@ bool triangle_list_reserve(struct triangle_list *list, uint64_t capacity, struct
     if (capacity <= list->capacity)
         return true;
     if (capacity > UINT32_MAX)
-        return err_set(err, ERR_INPUT, "%llu triangles, expected at most 4294967295",
+        return err_set(err, ERR_INPUT, "%llu triangles; expected at most 4294967295",
                        (unsigned long long)capacity);
     void *indices = arena_alloc(list->arena, (size_t)capacity, sizeof *list->indices);
     if (!indices)

@@ -47,7 +47,7 @@ static bool create_table(struct arena *scratch, uint64_t corner_count, struct co
                          struct err *err)
 {
     if (corner_count >= UINT32_MAX)
-        return err_set(err, ERR_INPUT, "%llu corners, expected fewer than 4294967295",
+        return err_set(err, ERR_INPUT, "%llu corners; expected fewer than 4294967295",
                        (unsigned long long)corner_count);
     uint64_t slot_count = 16;
     while (slot_count < 2 * corner_count) // at most half full, so that probe sequences are short

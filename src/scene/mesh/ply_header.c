@@ -79,7 +79,7 @@ static bool read_element(struct header_parser *parser, struct err *err)
     if (!text_integer(parser->text, "an element's name and count", &count, err))
         return false;
     if (count < 0)
-        return text_fail(parser->text, err, "element %s: a count of %lld, expected 0 or more",
+        return text_fail(parser->text, err, "element %s: a count of %lld; expected 0 or more",
                          element->name, (long long)count);
     element->count = (uint64_t)count;
     if (parser->header->last_element)
@@ -207,7 +207,7 @@ static bool check_header(const struct ply_header *header, const char *path, stru
     if ((header->vertices->uses & needed) != needed)
         return err_set(err, ERR_INPUT, "%s: element vertex: expected properties x, y and z", path);
     if (header->vertices->count > UINT32_MAX)
-        return err_set(err, ERR_INPUT, "%s: %llu vertices, expected at most 4294967295", path,
+        return err_set(err, ERR_INPUT, "%s: %llu vertices; expected at most 4294967295", path,
                        (unsigned long long)header->vertices->count);
     return true;
 }

@@ -43,8 +43,8 @@ static bool push_distance(struct program *p, const struct sdf_node *n)
 {
     return ++p->distances <= SDF_DISTANCES_MAX ||
            node_fail(n->place, p->err,
-                     "%d operations are open around this node; expected the deepest node of each "
-                     "\"of\" first",
+                     "this node needs more than %d distances at a time; expected the deepest node "
+                     "of each \"of\" first",
                      SDF_DISTANCES_MAX);
 }
 
