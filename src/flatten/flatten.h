@@ -121,8 +121,8 @@ struct flat_scene {
     uint32_t *dropped_before; // for each dropped triangle, the flat triangle that follows it
     bool *material_used;      // for each material of the scene, whether a primitive has it
     float bounds_min[3], bounds_max[3]; // in the arrays' coordinates; min > max if empty
-    uint32_t dropped_degenerate;        // number without area (docs/verification.md, C6)
-    uint32_t skipped_instances; // number with singular transforms (docs/verification.md, C30)
+    uint32_t dropped_degenerate;        // triangles without area (docs/verification.md, C6)
+    uint32_t skipped_instances; // those with singular transforms (docs/verification.md, C30)
 };
 
 struct flatten_params {

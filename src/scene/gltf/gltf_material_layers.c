@@ -161,9 +161,10 @@ static bool read_specular(struct gltf_material_reader *reader, struct err *err)
 }
 
 // The extension widens the lobe along the tangent, alpha_t = mix(alpha, 1, strength^2), and keeps
-// alpha_b = alpha. This program's model has alpha' / aspect and alpha' aspect with aspect^2 = 1 -
-// 0.9 anisotropic (Burley 2012, addendum). With alpha'^2 = alpha_t alpha_b and aspect^2 = alpha_b /
-// alpha_t, the two forms agree, unless the ratio is below 1 / 10 or a texture scales the factors.
+// alpha_b = alpha. This program's model has alpha_t = a / aspect and alpha_b = a aspect, where a =
+// roughness^2 and aspect^2 = 1 - 0.9 anisotropic (Burley 2012, addendum). With a^2 = alpha_t
+// alpha_b and aspect^2 = alpha_b / alpha_t, the two forms agree, unless the ratio is below 1 / 10
+// or a texture scales the factors.
 static bool read_anisotropy(struct gltf_material_reader *reader, struct err *err)
 {
     const struct range turns = {-1e6, 1e6, false}; // radians; larger angles lose precision

@@ -132,9 +132,9 @@ static double mandelbulb(const double p[3], const struct operands *o)
     for (int i = 0; i < (int)o->a[1] && r <= o->a[2]; i++) {
         double polar = power * atan2(length2(z[0], z[2]), z[1]);
         double around = power * atan2(z[0], z[2]);
-        // Around the pole the map stretches by sin(n theta) / sin(theta), which is at most n, while
-        // it stretches by 1 along the radius. Near the pole rounding would decide, so n is used
-        // there.
+        // Around the polar axis the map stretches by sin(n theta) / sin(theta), which is at most n,
+        // while it stretches by 1 along the radius. Near the axis the quotient consists of rounding
+        // errors, so n is used there.
         double across = length2(z[0], z[2]), stretch = power;
         if (64 * across > r)
             stretch = fmin(fmax(r * fabs(sin(polar)) / across, 1), power);

@@ -134,9 +134,9 @@ static struct texel texel_at(const struct environment *environment, uint32_t row
     };
 }
 
-// Irradiances: of each box at radiance 1, on a surface facing it (`faced`) and on a horizontal
-// surface (`level`), and of the background on a horizontal surface if its radiance at the horizon
-// is 1.
+// The irradiance from each box of radiance 1, on a surface facing it (`faced`) and on a horizontal
+// surface (`level`), and the irradiance from the background on a horizontal surface, if the
+// background has radiance 1 at the horizon.
 struct received {
     double faced[BOX_COUNT], level[BOX_COUNT], background;
 };
