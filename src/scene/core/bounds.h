@@ -36,11 +36,11 @@ bool bounds_are_a_point(const struct bounds *bounds); // also true for empty bou
 // stop, this and the two functions below return an incomplete result, and the caller must ask
 // scene->progress afterwards.
 struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part);
-// Computes for each normal n the largest n.v over the points v of the part; -INFINITY if it is
-// empty. Planes are ignored.
+// Computes for each normal n the largest n.v over the points v of the part; -INFINITY if the part
+// is empty. Planes are ignored.
 void bounds_support(const struct scene *scene, const struct scene_part *part, uint32_t count,
                     const double (*normals)[3], double *out);
-// Returns the largest distance from `center` to any point of the part; 0 if it is empty.
+// Returns the largest distance from `center` to any point of the part; 0 if the part is empty.
 double bounds_radius(const struct scene *scene, const struct scene_part *part,
                      const double center[3]);
 

@@ -57,7 +57,7 @@ struct instance {
     bool hidden;            // omitted from the render
 };
 
-// In the order of SHAPE_KIND_* in shaders/shared/types.h.
+// The order is that of SHAPE_KIND_* in shaders/shared/types.h.
 enum shape_kind {
     SHAPE_SPHERE,
     SHAPE_DISC,
@@ -159,7 +159,8 @@ enum scene_studio {
 };
 extern const char *const scene_studio_names[]; // "off", "auto", "on", NULL
 enum scene_ground {
-    // With the studio, unless a model's camera is below the ground or a .json scene has a camera.
+    // Adds a ground if the studio's light is added, unless a model's camera is below the ground or
+    // a .json scene has a camera.
     SCENE_GROUND_AUTO,
     SCENE_GROUND_ON,
     SCENE_GROUND_OFF,
@@ -201,7 +202,7 @@ struct scene {
     uint32_t image_count;
     struct texture *textures; // the textures of one material are adjacent
     uint32_t texture_count;
-    struct light *lights; // see struct light
+    struct light *lights;
     uint32_t light_count;
     struct placed_object *placed; // placed objects, see placement.h
     uint32_t placed_count;
@@ -317,7 +318,7 @@ bool load_json(struct scene *scene, const struct scene_load_params *params, scen
 bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err);
 // Load OBJ, PLY and STL; load_json also calls these for {"type": "mesh", "file": …}. On success
 // they have appended one mesh, *index, and the materials that it needs, but no instances. `path` is
-// trusted, because the caller confines it. default_material is for triangles without a material;
+// trusted, because the caller has checked it. default_material is for triangles without a material;
 // SCENE_NONE: a grey one is appended if needed.
 bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
               bool allow_outside_paths, uint32_t *index, struct err *err);

@@ -319,8 +319,9 @@ uint64_t generate_figure_bytes(uint32_t triangles)
            (triangles + triangles / 8) * (uint64_t)sizeof *mesh->indices;
 }
 
-// Makes a figure's field and a net of about `quads` quadrilaterals. Each try chooses the grid step
-// from the number of quadrilaterals that the previous try made. *step becomes the grid step.
+// Makes a figure's field and a net of about `quads` quadrilaterals. Each of at most five tries
+// chooses the grid step from the number of quadrilaterals that the previous try made. *step becomes
+// the grid step, or after the fifth unsuccessful try, the step that a sixth try would use.
 static bool fit_net(enum figure figure, double quads, const struct progress *progress,
                     struct arena *arena, struct figure_field *field, double *step, struct net *net)
 {
