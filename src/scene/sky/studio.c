@@ -364,8 +364,6 @@ static bool wants_ground(const struct scene *scene, enum scene_ground choice)
     double lowest;
     if (choice != SCENE_GROUND_AUTO || !scene->has_studio)
         return choice == SCENE_GROUND_ON;
-    if (!scene->has_studio)
-        return false;
     bounds_support(scene, &whole, 1, down, &lowest);
     for (uint32_t i = 0; i < scene->camera_count; i++)
         if (!scene->is_model || vec3_dot(scene->cameras[i].position, axes.up) <= -lowest)
