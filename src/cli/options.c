@@ -254,8 +254,8 @@ static bool check_crop(const struct options *options, struct err *err)
 static bool check_sequence(const struct options *options, struct err *err)
 {
     static const enum option_id of_one_picture[] = {
-        OPTION_FRAMES, OPTION_CHECKPOINT, OPTION_SHARD,   OPTION_REFERENCE,
-        OPTION_TRACE,  OPTION_TEV,        OPTION_EXPLAIN, OPTION_PIXEL};
+        OPTION_FRAMES, OPTION_CHECKPOINT, OPTION_REFERENCE, OPTION_TRACE,
+        OPTION_TEV,    OPTION_EXPLAIN,    OPTION_PIXEL};
     const struct sequence_options *sequence = &options->render.sequence;
     const char *name = sequence->views > 0 ? "--turntable" : "--at START:END:FPS";
     if (sequence->is_animation && options->command != &commands[COMMAND_RENDER])
@@ -266,10 +266,20 @@ static bool check_sequence(const struct options *options, struct err *err)
         return err_set(err, ERR_USAGE,
                        "--turntable and --at START:END:FPS exclude each other; expected --at "
                        "SECONDS, the time that the turntable shows");
+    if (options_given(options, OPTION_SHARD))
+        return err_set(err, ERR_USAGE,
+                       "%s and --shard exclude each other: a shard is a part of one picture, but "
+                       "%s renders several: expected %s",
+                       name, name,
+                       sequence->views > 0 ? "no --shard, or no --turntable"
+                                           : "no --shard, but a range of times for each process");
     for (size_t i = 0; i < sizeof of_one_picture / sizeof of_one_picture[0]; i++)
         if (options_given(options, of_one_picture[i]))
-            return err_set(err, ERR_USAGE, "%s and --%s exclude each other", name,
-                           option_table[of_one_picture[i]].name);
+            return err_set(err, ERR_USAGE,
+                           "%s and --%s exclude each other: --%s applies to one picture, but %s "
+                           "renders several",
+                           name, option_table[of_one_picture[i]].name,
+                           option_table[of_one_picture[i]].name, name);
     return true;
 }
 

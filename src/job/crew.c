@@ -55,7 +55,7 @@ bool job_begin_crew(struct job *job, struct err *err)
 
 bool job_check_crew(const struct job *job, struct err *err)
 {
-    return !job->params.crew || job_check_divisible(job, "several devices or ranks", false, err);
+    return !job->params.crew || job_check_divisible(job, JOB_BY_CREW, err);
 }
 
 // Returns the samples of a member's next block. Blocks become shorter towards the end (guided

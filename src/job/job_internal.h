@@ -87,9 +87,10 @@ bool job_check_merged(struct job *job, struct err *err);
 // Sets the renderer to the shard's first sample, or copies the merged film to the renderer.
 bool job_begin_shard(struct job *job, struct err *err);
 
-// Checks that several renderers may share the samples of this render, or with by_tiles its rows.
-// `whose` is the beginning of the error message.
-bool job_check_divisible(const struct job *job, const char *whose, bool by_tiles, struct err *err);
+// How several renderers share a render: parts with some samples, parts with some rows, or a crew.
+enum job_division { JOB_BY_SAMPLES, JOB_BY_ROWS, JOB_BY_CREW };
+// Checks that several renderers may share this render in that way.
+bool job_check_divisible(const struct job *job, enum job_division division, struct err *err);
 
 // --- crew_film.c ---
 // Adds the counts and times of one film to those of another.

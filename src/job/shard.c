@@ -14,27 +14,42 @@ bool job_is_shard(const struct job *job)
 }
 
 // Refuses settings with which the film is not a sum that can be computed in any order.
-bool job_check_divisible(const struct job *job, const char *whose, bool by_tiles, struct err *err)
+bool job_check_divisible(const struct job *job, enum job_division division, struct err *err)
 {
+    static const char *const names[] = {
+        [JOB_BY_SAMPLES] = "--shard",
+        [JOB_BY_ROWS] = "--shard-by tiles",
+        [JOB_BY_CREW] = "several devices (--device) or ranks (mpirun)",
+    };
     const struct job_goal *goal = &job->params.goal;
     const struct settings *settings = &job->scene->settings;
+    const bool is_crew = division == JOB_BY_CREW;
     const char *what = NULL, *why = NULL;
-    if (goal->adaptive && !by_tiles) {
+    if (goal->adaptive && is_crew) {
+        what = "--adaptive on";
+        why = "they share the samples of the whole picture, but its tiles have different numbers "
+              "of samples: expected --adaptive off; or one device, or parts by rows, each on a "
+              "device of its own: --shard I/N --shard-by tiles --device INDEX";
+    } else if (goal->adaptive && division == JOB_BY_SAMPLES) {
         what = "--adaptive on";
         why = "its tiles have different numbers of samples, but parts have the same samples of "
               "all pixels: expected --adaptive off, or --shard-by tiles";
     } else if (goal->frames) {
         what = "--frames";
-        why = "all parts have samples of one picture: expected --spp";
+        why = is_crew ? "they share the samples of one picture: expected --spp, or one device"
+                      : "all parts have samples of one picture: expected --spp";
     } else if (settings->accumulation != ACCUMULATION_BINNED) {
         what = "--accumulation sum or running";
         why = "these sums depend on the order of samples: expected --accumulation binned";
-    } else if (settings->halves == HALVES_CONTIGUOUS && !by_tiles) {
+    } else if (settings->halves == HALVES_CONTIGUOUS && division != JOB_BY_ROWS) {
         what = "--halves contiguous";
-        why = "every part needs equally many samples of both halves: expected --halves "
-              "independent";
+        why = is_crew ? "every block of samples needs equally many of both halves: expected "
+                        "--halves independent, or one device"
+                      : "every part needs equally many samples of both halves: expected --halves "
+                        "independent";
     }
-    return !what || err_set(err, ERR_USAGE, "%s cannot be combined with %s: %s", whose, what, why);
+    return !what ||
+           err_set(err, ERR_USAGE, "%s cannot be combined with %s: %s", names[division], what, why);
 }
 
 // Refuses goals that depend on samples of other shards.
@@ -53,7 +68,7 @@ static bool check_goal(const struct job *job, struct err *err)
         return err_set(err, ERR_USAGE,
                        "--shard-by tiles cannot be combined with --reference, which compares whole "
                        "pictures: expected merge, and then compare");
-    return job_check_divisible(job, "--shard", job->params.shard.by_tiles, err);
+    return job_check_divisible(job, job->params.shard.by_tiles ? JOB_BY_ROWS : JOB_BY_SAMPLES, err);
 }
 
 static bool settle_rows(struct job *job, struct err *err)

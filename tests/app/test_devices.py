@@ -127,10 +127,11 @@ class Ends(Crews):
 
     def test_what_cannot_be_shared_is_refused(self):
         for arguments, message in (
-                (['--adaptive', 'on', '--spp', '64'], 'several devices or ranks cannot be combined with --adaptive on'),
+                (['--adaptive', 'on', '--spp', '64'], 'several devices (--device) or ranks (mpirun) cannot be combined '
+                                                      'with --adaptive on: they share the samples of the whole picture'),
                 (['--frames', '3'], 'cannot be combined with --frames'),
                 (['--accumulation', 'sum'], 'depend on the order of samples'),
-                (['--halves', 'contiguous'], 'every part needs equally many samples of both halves'),
+                (['--halves', 'contiguous'], 'every block of samples needs equally many of both halves'),
                 (['--device', '0,77'], '--device 77: '), (['--device', '0,'], "no device has the index or name '0,'")):
             result = self.run_one(*self.command(*TWO, *arguments, '-o', 'z.exr'))
             self.assertIn(result.returncode, (2, 3), result.stderr)
