@@ -39,7 +39,9 @@ const struct command commands[COMMAND_TOTAL] = {
                 "is bit for bit that of one process, and is written as render does. A part is "
                 "refused if its scene, settings, seed, version, device or driver differ from those "
                 "of the first, if it has samples that another part has, or if it is damaged. "
-                "Missing samples are listed with the commands that render them. The scene is read "
+                "Missing samples are listed with the commands that render them. With --status, "
+                "only the headers of the parts are read: it is fast, but does not find damage of "
+                "their films, which a merge does. The scene is read "
                 "again, so run merge in the working directory of the shards. With --checkpoint, "
                 "the sum is written as a part, which can be merged with others; without -o this "
                 "needs neither the scene nor a device.",
@@ -48,6 +50,20 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris merge cornell.*.part --partial -o cornell.png\n"
                         "lampyris merge cornell.*.part --checkpoint some.part\n"
                         "lampyris merge cornell.*.part --status",
+            .exits =
+                {
+                    [EXIT_CODE_OK] = "The picture, or the sum, was written; with --status, no "
+                                     "sample is missing.",
+                    [EXIT_CODE_CHECK_FAILED] = "Only with --status: samples are missing.",
+                    [EXIT_CODE_INPUT] =
+                        "The command line is wrong, samples are missing (without --partial), a "
+                        "part is damaged, unfinished or does not belong to the others, the scene "
+                        "is not that of the parts, or an output is an input. No picture was "
+                        "written.",
+                    [EXIT_CODE_DEVICE] = "The device that computes the picture from the sum, its "
+                                         "driver or the system's memory failed.",
+                    [EXIT_CODE_OUTPUT] = "The picture or the sum could not be written.",
+                },
             .min_arguments = 1,
             .max_arguments = OPTIONS_PARTS_MAX,
         },
@@ -69,6 +85,20 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris submit scenes/cornell.json --parts 8 --slurm '--partition=gpu'\n"
                         "lampyris submit scenes/cornell.json --parts 8 --dry-run\n"
                         "lampyris merge --status cornell.*.part",
+            .exits =
+                {
+                    [EXIT_CODE_OK] = "The jobs were submitted; with --dry-run, the files were "
+                                     "written.",
+                    [EXIT_CODE_CHECK_FAILED] = "",
+                    [EXIT_CODE_INPUT] =
+                        "The command line or the scene is wrong, or the shards would refuse the "
+                        "settings. Nothing was submitted.",
+                    [EXIT_CODE_DEVICE] = "sbatch is not installed or refused a file, or the "
+                                         "system's memory failed.",
+                    [EXIT_CODE_OUTPUT] = "A batch file could not be written, or the merge could "
+                                         "not write a picture into its folder. Nothing was "
+                                         "submitted.",
+                },
             .min_arguments = 1,
             .max_arguments = 1,
         },

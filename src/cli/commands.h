@@ -26,6 +26,9 @@ struct command {
     const char *arguments;   // "SCENE", for the usage line
     const char *description; // description for the help, in sentences
     const char *examples;    // one per line
+    // What exit codes mean for this command, from EXIT_CODE_OK to EXIT_CODE_OUTPUT; NULL: what they
+    // mean for all; "": the command does not return that code.
+    const char *exits[EXIT_CODE_OUTPUT + 1];
     uint32_t min_arguments, max_arguments;
 };
 

@@ -8,7 +8,8 @@
 
 static const char program_summary[] = "physically based path tracer on Vulkan compute shaders";
 
-static void exit_status(const struct help_writer *writer)
+// command: NULL for the program
+static void exit_status(const struct help_writer *writer, const struct command *command)
 {
     static const struct {
         const char *code, *text;
@@ -24,8 +25,11 @@ static void exit_status(const struct help_writer *writer)
          "152 by SIGXCPU."},
     };
     help_section(writer, "EXIT STATUS");
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
-        help_item(writer, rows[i].code, NULL, rows[i].text);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const char *own = command && i <= EXIT_CODE_OUTPUT ? command->exits[i] : NULL;
+        if (!own || *own)
+            help_item(writer, rows[i].code, NULL, own ? own : rows[i].text);
+    }
 }
 
 static void usage_line(const struct command *command, char *out, size_t size)
@@ -160,7 +164,7 @@ static void command_page(const struct help_writer *writer, const struct command 
     options_section(writer, command);
     help_section(writer, "EXAMPLES");
     help_literal(writer, command->examples);
-    exit_status(writer);
+    exit_status(writer, command);
 }
 
 static void program_head(const struct help_writer *writer)
@@ -181,7 +185,7 @@ void help_program(FILE *out)
     help_section(&writer, "OPTIONS OF EVERY COMMAND");
     for (int i = OPTION_JSON; i < OPTION_TOTAL; i++)
         option_item(&writer, &option_table[i], false);
-    exit_status(&writer);
+    exit_status(&writer, NULL);
     fputs("\nSee \"lampyris COMMAND --help\" for a command and its options.\n", out);
 }
 
@@ -206,6 +210,8 @@ void help_common(FILE *out, const struct command *command)
     }
     help_section(&writer, "EXAMPLES");
     help_literal(&writer, command->examples);
+    if (command->exits[EXIT_CODE_OK])
+        exit_status(&writer, command);
     fprintf(out, "\n\"lampyris %s --help-all\" explains all %d options.\n", command->name, listed);
 }
 
@@ -236,7 +242,7 @@ static void program_page(const struct help_writer *writer)
     help_section(writer, "EXAMPLES");
     for (int i = 0; i < COMMAND_TOTAL; i++)
         help_literal(writer, commands[i].examples);
-    exit_status(writer);
+    exit_status(writer, NULL);
 }
 
 void help_manual(FILE *out, const struct command *command)
