@@ -96,6 +96,41 @@ class Files(Shards):
         self.assertIn('was not written by lampyris submit', self.submit('--parts', '2', '--dry-run', code=2).stderr)
         self.assertEqual(self.read('cornell.shards.sh'), b'#!/bin/sh\necho mine\n')
 
+    def test_a_picture_that_the_merge_cannot_write_is_refused(self):
+        """Before anything is submitted, and not when the shards have rendered for hours."""
+        path = self.fake_sbatch('echo "$@" >> calls; echo 41')
+        self.write('file', b'')
+        for output, code, message in (('missing/out.exr', 4, 'missing/out.exr: cannot create a file in its folder'),
+                                      ('file/out.exr', 4, 'file/out.exr: cannot'), ('bin', 2, 'bin'),
+                                      ('bin/', 2, ''), ('a.tga', 2, 'a.tga')):
+            self.assertIn(message, self.submit('--parts', '2', '-o', 'a.exr', '-o', output, code=code, **path).stderr)
+        self.assertIn('layers go into EXR files', self.submit('--parts', '2', '--aov', 'depth', '-o', 'a.png', code=2).stderr)
+        self.assertEqual(set(os.listdir(self.folder.name)), {'bin', 'file'})
+
+    def test_exit_codes_are_those_of_the_help(self):
+        parts = self.render_shards(2, '--spp', '8')
+        damaged = bytearray(self.read(parts[1]))
+        damaged[-100] ^= 1
+        self.write('damaged', damaged)
+        os.mkdir(self.path('folder.exr'))
+        for code, *arguments in ((0, *parts), (0, *parts, '--status'), (1, parts[0], '--status'), (2, parts[0]),
+                                 (2, parts[0], 'damaged'), (0, parts[0], 'damaged', '--status'), (2, '--status', 'nowhere'),
+                                 (2, *parts, '-o', 'a.tga'), (4, *parts, '-o', 'missing/a.exr'),
+                                 (4, *parts, '-o', 'folder.exr'), (4, *parts, '--checkpoint', 'missing/sum'),
+                                 (2, *parts, '--device', '77')):
+            result = self.run_one('merge', *arguments)
+            self.assertEqual(result.returncode, code, (arguments, result.stderr))
+        self.assertEqual(self.run_one('merge', *parts, LAMPYRIS_LIMITS='memory-budget=1000').returncode, 3)
+        nowhere = self.path('nowhere.json')
+        self.assertEqual(self.run_one('merge', *parts, VK_DRIVER_FILES=nowhere, VK_ICD_FILENAMES=nowhere).returncode, 69)
+        for text in (self.run_one('merge', '--help').stdout, self.run_one('merge', '--help-all').stdout):
+            text = re.sub(r'\s+', ' ', text[text.index('EXIT STATUS'):])
+            for words in ('0 The picture, or the sum, was written; with --status, no sample is missing.',
+                          '1 Only with --status: samples are missing.', 'samples are missing (without --partial)',
+                          '3 The device', '4 The picture or the sum could not be written.'):
+                self.assertIn(words, text)
+        self.assertIn('headers of the parts', re.sub(r'\s+', ' ', self.run_one('merge', '--help-all').stdout))
+
     def test_status(self):
         parts = self.render_shards(4, '--spp', '32')
         result = self.succeed('merge', '--status', *parts)

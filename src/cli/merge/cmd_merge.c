@@ -5,6 +5,7 @@
 #include "base/file_inputs.h"
 #include "base/file_system.h"
 #include "base/log.h"
+#include "cli/outputs.h"
 #include "job/merge.h"
 #include "render/adaptive.h"
 #include "report/json_out.h"
@@ -418,7 +419,8 @@ static bool merge_parts(struct merge *merge, const struct options *options, bool
     if ((kept && !file_check_writable(kept, err)) || !merge_open(&params, merge, err))
         return false;
     for (uint32_t i = 0; i < options->render.output_count; i++)
-        if (!file_inputs_check(options->render.outputs[i], err) ||
+        if (!outputs_check_one(options->render.outputs[i], err) ||
+            !file_inputs_check(options->render.outputs[i], err) ||
             !file_check_distinct(options->render.outputs[i], kept, err))
             return false;
     if (!check_missing(merge, options, writes_picture, err) ||

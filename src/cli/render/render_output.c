@@ -1,3 +1,4 @@
+#include "cli/outputs.h"
 #include "cli/render/render_run.h"
 #include "cli/render/trace_file.h"
 #include "cli/scene_options.h"
@@ -63,16 +64,6 @@ static bool list_locks(struct render_run *run, struct err *err)
     return true;
 }
 
-// Refuses --aov without an EXR output, because other formats have no layers.
-static bool check_layers(const struct render_run *run, struct err *err)
-{
-    bool has_exr = false;
-    for (uint32_t i = 0; i < run->output_count; i++)
-        has_exr |= path_has_extension(run->outputs[i], "exr");
-    return has_exr || run->output_count == 0 || run->options->render.aovs == 0 ||
-           err_set(err, ERR_USAGE, "--aov: layers go into EXR files; expected -o NAME.exr");
-}
-
 bool render_check_outputs(struct render_run *run, struct err *err)
 {
     run->outputs = run->options->render.outputs;
@@ -80,7 +71,8 @@ bool render_check_outputs(struct render_run *run, struct err *err)
     bool is_shard = run->options->render.shard_text != NULL;
     if (run->output_count == 0 && !is_shard && !render_default_outputs(run, err))
         return false;
-    if (!check_layers(run, err) || !render_check_distinct(run, err))
+    if (!outputs_check_layers(run->outputs, run->output_count, run->options->render.aovs, err) ||
+        !render_check_distinct(run, err))
         return false;
     const char *others[] = {run->options->render.checkpoint, run->options->render.trace};
     if (others[1] && !trace_check_format(others[1], err))
@@ -91,8 +83,7 @@ bool render_check_outputs(struct render_run *run, struct err *err)
         return err_memory(err, "locks", run->lock_count * sizeof *run->locks);
     for (uint32_t i = 0; i < run->output_count; i++) {
         const char *output = run->outputs[i];
-        if (!image_check_format(output, err) || !file_check_writable(output, err) ||
-            !file_lock_take(&run->locks[i], output, err))
+        if (!outputs_check_one(output, err) || !file_lock_take(&run->locks[i], output, err))
             return false;
     }
     for (uint32_t i = 0; i < 2; i++)

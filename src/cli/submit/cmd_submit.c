@@ -3,6 +3,7 @@
 
 #include "base/file_system.h"
 #include "base/process.h"
+#include "cli/outputs.h"
 #include "cli/scene_options.h"
 #include "cli/submit/batch_files.h"
 #include "report/json_out.h"
@@ -43,6 +44,17 @@ static bool check_render(const struct options *options, struct err *err)
     job_finish(&job);
     scene_finish(&scene);
     return ok;
+}
+
+// Refuses pictures that the merge could not write, before hours of rendering.
+static bool check_outputs(const struct options *options, struct err *err)
+{
+    const char *const *outputs = options->render.outputs;
+    const uint32_t count = options->render.output_count;
+    for (uint32_t i = 0; i < count; i++)
+        if (!outputs_check_one(outputs[i], err))
+            return false;
+    return outputs_check_layers(outputs, count, options->render.aovs, err);
 }
 
 // --- sbatch --------------------------------------------------------------------------------------
@@ -164,7 +176,8 @@ int cmd_submit(const struct options *options)
     struct err err = {0};
     bool ok = options->submit.parts > 0 ||
               err_set(&err, ERR_USAGE, "submit needs --parts N, the number of shards");
-    ok = ok && check_render(options, &err) && batch_files_write(options, &submission.files, &err) &&
+    ok = ok && check_outputs(options, &err) && check_render(options, &err) &&
+         batch_files_write(options, &submission.files, &err) &&
          (options->submit.dry_run || submit_both(&submission, &err));
     progress_end(options->progress);
     int code = ok ? print(&submission, options) : command_fail(&err);

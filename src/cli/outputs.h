@@ -1,0 +1,15 @@
+// Checks of the pictures that a command is asked to write, before it renders.
+#ifndef LAMPYRIS_CLI_OUTPUTS_H
+#define LAMPYRIS_CLI_OUTPUTS_H
+
+#include "base/err.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+// Checks whether the format of a picture is known (ERR_USAGE), and whether it can be written into
+// its folder (ERR_OUTPUT).
+bool outputs_check_one(const char *path, struct err *err);
+// Refuses layers (`aovs` is not 0) without an EXR file, because other formats have none.
+bool outputs_check_layers(const char *const *paths, uint32_t count, uint32_t aovs, struct err *err);
+
+#endif
