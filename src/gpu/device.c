@@ -90,7 +90,8 @@ bool gpu_reopen(struct gpu *gpu, struct err *err)
     char index[16];
     struct gpu_params params = gpu->params;
     const struct gpu_device_info info = gpu->info;
-    uint32_t messages = gpu->validation_messages;
+    const uint32_t messages = gpu->validation_messages, sharers = gpu->sharers;
+    const uint64_t share_bytes = gpu->share_bytes, host_share_bytes = gpu->host_share_bytes;
     snprintf(index, sizeof index, "%u", info.index);
     params.device = index;
     if (params.devices_to_lose > 0 && --params.devices_to_lose == 0)
@@ -107,6 +108,9 @@ bool gpu_reopen(struct gpu *gpu, struct err *err)
         gpu->lost = true;
     }
     gpu->validation_messages += messages;
+    gpu->sharers = sharers;
+    gpu->share_bytes = share_bytes;
+    gpu->host_share_bytes = host_share_bytes;
     return ok;
 }
 

@@ -32,6 +32,8 @@ struct gpu_device_info {
     const char *kind;   // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
     bool is_cpu;        // runs on the processor (lavapipe, SwiftShader)
     bool shares_memory; // device memory is the host's memory
+    uint8_t memory_id[16]; // the same for devices that have the same memory, also in other
+                           // processes: zeros for the host's memory, else the UUID of the device
     uint32_t api_version;
     uint64_t memory_bytes; // largest device-local heap
     char unusable[256];    // "", or why the renderer cannot use the device
@@ -94,6 +96,9 @@ struct gpu {
                         // resets it
     bool abandoned;     // the device may still be working, so its objects are no longer destroyed
     uint64_t allocated_bytes, peak_bytes; // bytes of buffers (including staging buffers) and images
+    uint32_t sharers;     // see gpu_share_memory(); 0: the memory is not shared
+    uint64_t share_bytes, host_share_bytes; // the share of this one of them, and its share of the
+                                            // host's memory
 
     struct gpu_layout *layouts; // a list; its last element was created first and has no bindings
     VkPipelineCache pipeline_cache;
@@ -117,8 +122,16 @@ bool gpu_reopen(struct gpu *gpu, struct err *err);
 
 // Returns the device memory, in bytes, that is still available: the budget reported by
 // VK_EXT_memory_budget, or else the unused part of the largest heap. If the device uses the host's
-// memory, the result is at most the host's free memory.
+// memory, the result is at most the host's free memory. After gpu_share_memory(), it is at most the
+// rest of the share.
 uint64_t gpu_memory_free(const struct gpu *gpu);
+// Returns memory_available(), or less after gpu_share_memory() if the device uses the host's memory:
+// the rest of the share of it.
+uint64_t gpu_host_memory_free(const struct gpu *gpu);
+// Divides the memory that is available now equally among `sharers` renderers, of this process or of
+// others, that have opened devices with the same info.memory_id. Each must call this after all have
+// opened their device and before any of them allocates memory.
+void gpu_share_memory(struct gpu *gpu, uint32_t sharers);
 
 // --- buffers ------------------------------------------------------------------------------------
 enum gpu_memory {

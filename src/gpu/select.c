@@ -7,6 +7,7 @@
 #include <string.h>
 
 struct device_properties {
+    VkPhysicalDeviceIDProperties id;
     VkPhysicalDeviceProperties core;
     VkPhysicalDeviceSubgroupProperties subgroup;
     VkPhysicalDeviceMaintenance3Properties maintenance;
@@ -46,6 +47,7 @@ static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
         .maintenance.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
         .floats.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES,
         .driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
+        .id.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES,
     };
     vkGetPhysicalDeviceProperties(device, &out->core);
     if (out->core.apiVersion < VK_API_VERSION_1_1)
@@ -56,7 +58,8 @@ static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
         .pNext = &out->subgroup,
     };
-    out->subgroup.pNext = &out->maintenance;
+    out->subgroup.pNext = &out->id;
+    out->id.pNext = &out->maintenance;
     if (!is_1_1 && device_has_extension(device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME, NULL))
         out->maintenance.pNext = &out->driver;
     if (device_has_extension(device, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME, &out->failure)) {
@@ -144,7 +147,7 @@ static uint64_t heap_free(const struct gpu *gpu)
 }
 
 // CPU drivers report a heap of arbitrary size, so for them only the host's free memory counts.
-uint64_t gpu_memory_free(const struct gpu *gpu)
+static uint64_t all_memory_free(const struct gpu *gpu)
 {
     uint64_t told = gpu->params.limits.memory_budget;
     uint64_t bytes = gpu->info.is_cpu ? UINT64_MAX : heap_free(gpu);
@@ -152,6 +155,30 @@ uint64_t gpu_memory_free(const struct gpu *gpu)
         bytes = left_of(told, gpu->allocated_bytes);
     uint64_t host = gpu->info.shares_memory ? memory_available() : UINT64_MAX;
     return bytes < host ? bytes : host;
+}
+
+uint64_t gpu_memory_free(const struct gpu *gpu)
+{
+    const uint64_t bytes = all_memory_free(gpu);
+    const uint64_t share =
+        gpu->sharers > 1 ? left_of(gpu->share_bytes, gpu->allocated_bytes) : UINT64_MAX;
+    return bytes < share ? bytes : share;
+}
+
+void gpu_share_memory(struct gpu *gpu, uint32_t sharers)
+{
+    gpu->sharers = sharers;
+    gpu->share_bytes = all_memory_free(gpu) / sharers + gpu->allocated_bytes;
+    gpu->host_share_bytes = memory_available() / sharers + gpu->allocated_bytes;
+}
+
+uint64_t gpu_host_memory_free(const struct gpu *gpu)
+{
+    const uint64_t bytes = memory_available();
+    const uint64_t share = gpu->sharers > 1 && gpu->info.shares_memory
+                               ? left_of(gpu->host_share_bytes, gpu->allocated_bytes)
+                               : UINT64_MAX;
+    return bytes < share ? bytes : share;
 }
 
 void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_family, char *out,
@@ -237,6 +264,8 @@ static void info_read(const struct gpu *gpu, VkPhysicalDevice device, uint32_t i
         .api_version = p.core.apiVersion,
         .memory_bytes = device_memory_bytes(device),
     };
+    if (!out->shares_memory)
+        memcpy(out->memory_id, p.id.deviceUUID, sizeof out->memory_id);
     snprintf(out->name, sizeof out->name, "%s", p.core.deviceName);
     // The encoding of driverVersion depends on the vendor, so the text driverInfo is preferred.
     if (p.driver.driverInfo[0])

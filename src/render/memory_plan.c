@@ -326,28 +326,46 @@ static uint64_t device_room(const struct memory_plan_params *p)
     return left < UINT64_MAX - p->replaced_bytes ? left + p->replaced_bytes : UINT64_MAX;
 }
 
+// Says of whom the memory is a share, and what frees it. {"", ""} if it is not shared.
+struct sharing_words {
+    char whose[64];
+    const char *remedy;
+};
+
+static struct sharing_words sharing_words(const struct gpu *gpu)
+{
+    struct sharing_words words = {.remedy = ""};
+    if (gpu->sharers < 2)
+        return words;
+    snprintf(words.whose, sizeof words.whose, " for each of the %u that share it", gpu->sharers);
+    words.remedy = ", or fewer devices or ranks";
+    return words;
+}
+
 static bool check_total(const struct memory_plan_params *p, const struct memory_plan *plan,
                         struct err *err)
 {
     uint64_t pixels = picture_pixels(p), device = device_room(p);
-    uint64_t host = memory_available();
     bool is_shared = p->gpu->info.shares_memory;
+    const struct sharing_words sharing = sharing_words(p->gpu);
+    uint64_t host = gpu_host_memory_free(p->gpu);
     uint64_t host_bytes = HOST_BYTES_A_PIXEL + film_aovs_bytes(p->specialization->aovs);
     uint64_t further = plan->total_bytes - least(plan->total_bytes, p->replaced_bytes);
     uint64_t host_needed = pixels * host_bytes + (is_shared ? further : 0);
     if (plan->total_bytes > device)
         return err_set(err, ERR_GPU,
-                       "the plan needs %s of device memory, but %s has %s left; expected a smaller "
-                       "scene, picture (--size) or --wave",
+                       "the plan needs %s of device memory, but %s has %s left%s; expected a "
+                       "smaller scene, picture (--size) or --wave%s",
                        memory_print(plan->total_bytes).text, p->gpu->info.name,
-                       memory_print(device).text);
+                       memory_print(device).text, sharing.whose, sharing.remedy);
     if (!memory_check(pixels * host_bytes, "the picture on the host", err))
         return false;
     if (host_needed > host)
         return err_set(err, ERR_SYSTEM,
-                       "the plan needs %s of memory, but %s are free; expected a smaller picture "
-                       "(--size)",
-                       memory_print(host_needed).text, memory_print(host).text);
+                       "the plan needs %s of memory, but %s are free%s; expected a smaller picture "
+                       "(--size)%s",
+                       memory_print(host_needed).text, memory_print(host).text,
+                       is_shared ? sharing.whose : "", is_shared ? sharing.remedy : "");
     return true;
 }
 

@@ -6,6 +6,7 @@ Usage: test_devices.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import unittest
@@ -159,6 +160,25 @@ class Fits(Crews):
         self.assertEqual(result.returncode, 3)
         self.assertIn('the plan needs', result.stderr)
         self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_devices_that_share_memory_divide_it(self):
+        """Each plans with its share. With the memory of one device, two of them take smaller waves or are refused."""
+        command = self.command('--spp', '8', '-o', 'a.exr', size='200x150')
+        waves = []
+        for devices in ('0', '0,0', '0,0,0'):
+            told = self.run_one(*command, '--device', devices, LAMPYRIS_LIMITS='memory-budget=20000000').stdout
+            count = devices.count(',') + 1
+            words = '' if count == 1 else f' \\(one of {count} that share its memory\\)'
+            found = re.search(r'memory    ([\d.]+) MiB on the device' + words + r', .* wave of (\d+) paths', told)
+            self.assertTrue(found, told)
+            self.assertLess(float(found[1]) * count, 20000000 / 2**20)
+            waves.append(int(found[2]))
+        self.assertEqual(waves, sorted(set(waves), reverse=True))
+        result = self.run_one(*command, '--device', '0,0', LAMPYRIS_LIMITS='memory-budget=8000000')
+        self.assertEqual(result.returncode, 3)
+        self.assertRegex(result.stderr, 'the plan needs .* has [\\d.]+ MiB left for each of the 2 that share it: .*, '
+                                        'or fewer devices or ranks')
+        self.assertEqual(self.run_one(*command, LAMPYRIS_LIMITS='memory-budget=8000000').returncode, 0)
 
     @unittest.skipUnless(os.path.exists(SWIFTSHADER), 'there is no second driver')
     def test_two_drivers(self):

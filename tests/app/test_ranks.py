@@ -110,6 +110,16 @@ class Bits(Ranks):
         self.assertEqual([line[0] for line in lines], ['0', '1', '2'])
         self.assertEqual(sum(int(line[1]) for line in lines), 400)
 
+    def test_ranks_of_one_device_divide_its_memory(self):
+        result = self.run_ranks(3, *self.command('--spp', '40', '-o', 'a.exr', size='200x150'),
+                                LAMPYRIS_LIMITS='memory-budget=20000000')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('MiB on the device (one of 3 that share its memory)', result.stdout)
+        result = self.run_ranks(2, *self.command('--spp', '40', '-o', 'a.exr', size='200x150'),
+                                LAMPYRIS_LIMITS='memory-budget=8000000')
+        self.assertIn('left for each of the 2 that share it', result.stderr)
+        self.assertNotEqual(result.returncode, 0)
+
     def test_shards_are_rendered_by_each_process_alone(self):
         result = self.run_ranks(3, *self.command('--spp', '40', '--shard', 'auto', '-q'))
         self.assertEqual(result.returncode, 0, result.stderr)

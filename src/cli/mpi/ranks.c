@@ -17,7 +17,7 @@ enum { TAG_ORDER = 1, TAG_DONE };
 struct ranks_context {
     struct render_ranks *ranks;
     const struct options *options;
-    MPI_Comm comm;
+    MPI_Comm comm, local;    // all ranks, and those of this machine
     struct rank_card *cards; // on rank 0: the cards of all ranks
     bool is_told;            // the message about a stop was printed
 };
@@ -222,10 +222,36 @@ static bool hand_over(void *context, uint32_t aovs, uint64_t bytes, const struct
 
 // --- all -----------------------------------------------------------------------------------------
 
-static bool meet(void *context, const struct rank_card *own, struct err *err)
+static bool count_sharers(struct ranks_context *c, const struct rank_card *own, uint32_t *sharers,
+                          struct err *err)
+{
+    int count;
+    MPI_Comm_size(c->local, &count);
+    uint8_t *ids = calloc((size_t)count, sizeof own->memory_id);
+    if (!ids)
+        return err_memory(err, "ranks", (uint64_t)count * sizeof own->memory_id);
+    MPI_Allgather(own->memory_id, sizeof own->memory_id, MPI_BYTE, ids, sizeof own->memory_id,
+                  MPI_BYTE, c->local);
+    *sharers = 0;
+    for (int i = 0; i < count; i++)
+        *sharers += memcmp(ids + (size_t)i * sizeof own->memory_id, own->memory_id,
+                           sizeof own->memory_id) == 0;
+    free(ids);
+    return true;
+}
+
+static void wait_for_local(void *context)
+{
+    const struct ranks_context *c = context;
+    MPI_Barrier(c->local);
+}
+
+static bool meet(void *context, const struct rank_card *own, uint32_t *sharers, struct err *err)
 {
     struct ranks_context *c = context;
     struct render_ranks *ranks = c->ranks;
+    if (!count_sharers(c, own, sharers, err))
+        return false;
     MPI_Gather(own, sizeof *own, MPI_BYTE, c->cards, sizeof *own, MPI_BYTE, 0, c->comm);
     for (uint32_t i = 0; ranks->rank == 0 && i < ranks->count; i++) {
         if (c->cards[i].hash != own->hash)
@@ -243,13 +269,11 @@ static bool join(struct ranks_context *c, struct err *err)
 {
     struct render_ranks *ranks = c->ranks;
     int rank, count, local_rank;
-    MPI_Comm local;
     MPI_Comm_dup(MPI_COMM_WORLD, &c->comm);
     MPI_Comm_rank(c->comm, &rank);
     MPI_Comm_size(c->comm, &count);
-    MPI_Comm_split_type(c->comm, MPI_COMM_TYPE_SHARED, rank, MPI_INFO_NULL, &local);
-    MPI_Comm_rank(local, &local_rank);
-    MPI_Comm_free(&local);
+    MPI_Comm_split_type(c->comm, MPI_COMM_TYPE_SHARED, rank, MPI_INFO_NULL, &c->local);
+    MPI_Comm_rank(c->local, &local_rank);
     *ranks = (struct render_ranks){
         .rank = (uint32_t)rank,
         .count = (uint32_t)count,
@@ -261,6 +285,7 @@ static bool join(struct ranks_context *c, struct err *err)
                  .gather = gather,
                  .context = c},
         .meet = meet,
+        .wait_for_local = wait_for_local,
         .next = next,
         .report = report,
         .hand_over = hand_over,
@@ -294,6 +319,7 @@ void ranks_close(struct render_ranks *ranks)
     struct ranks_context *c = ranks->context;
     for (uint32_t i = 0; ranks->rank == 0 && i < ranks->crew.count; i++)
         send_order(c, i, &(struct rank_order){.kind = RANK_ENDS});
+    MPI_Comm_free(&c->local);
     MPI_Comm_free(&c->comm);
     MPI_Finalize();
     free(ranks->crew.members);

@@ -231,10 +231,10 @@ bool render_devices_create(const char *text, struct job_params *params, struct r
     return true;
 }
 
-static bool start_worker(struct render_devices *devices, const struct gpu_params *gpu,
-                         const char *text, const struct job_params *params, struct err *err)
+static bool open_worker(struct render_devices *devices, uint32_t index,
+                        const struct gpu_params *gpu, const char *text,
+                        const struct job_params *params, struct err *err)
 {
-    const uint32_t index = devices->started;
     struct device_worker *worker = &devices->workers[index];
     struct gpu_params own = *gpu;
     struct job_params of_job = {
@@ -255,6 +255,12 @@ static bool start_worker(struct render_devices *devices, const struct gpu_params
     struct crew_member *member = &devices->crew.members[index + 1];
     member->device = worker->gpu.info.name;
     member->driver = worker->gpu.info.driver;
+    return true;
+}
+
+static bool start_worker(struct render_devices *devices, struct err *err)
+{
+    struct device_worker *worker = &devices->workers[devices->started];
     int failure = thread_start(&worker->thread, run_worker, worker);
     if (failure)
         return err_set(err, ERR_SYSTEM, "cannot start a thread: %s", strerror(failure));
@@ -262,14 +268,38 @@ static bool start_worker(struct render_devices *devices, const struct gpu_params
     return true;
 }
 
+// Returns device i; 0 is the job's own.
+static struct gpu *device_of(struct render_devices *devices, struct gpu *own, uint32_t i)
+{
+    return i == 0 ? own : &devices->workers[i - 1].gpu;
+}
+
+static void share_memory(struct render_devices *devices, struct gpu *own)
+{
+    const uint32_t count = devices->crew.count + 1;
+    for (uint32_t i = 0; i < count; i++) {
+        struct gpu *gpu = device_of(devices, own, i);
+        uint32_t sharers = 0;
+        for (uint32_t k = 0; k < count; k++)
+            sharers += memcmp(device_of(devices, own, k)->info.memory_id, gpu->info.memory_id,
+                              sizeof gpu->info.memory_id) == 0;
+        if (sharers > 1)
+            gpu_share_memory(gpu, sharers);
+    }
+}
+
 bool render_devices_start(struct render_devices *devices, const struct gpu_params *gpu,
                           const char *text, const struct job_params *params, struct err *err)
 {
-    const struct gpu *own = params->renderer.gpu;
+    struct gpu *own = params->renderer.gpu;
     devices->crew.members[0].device = own->info.name;
     devices->crew.members[0].driver = own->info.driver;
+    for (uint32_t i = 0; i < devices->crew.count; i++)
+        if (!open_worker(devices, i, gpu, text, params, err))
+            return false;
+    share_memory(devices, own);
     while (devices->started < devices->crew.count)
-        if (!start_worker(devices, gpu, text, params, err))
+        if (!start_worker(devices, err))
             return false;
     return true;
 }

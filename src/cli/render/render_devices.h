@@ -28,7 +28,8 @@ const char *render_devices_name(const char *text, uint32_t i, struct arena *aren
 bool render_devices_create(const char *text, struct job_params *params, struct render_devices *out,
                            struct err *err);
 // Opens the devices of the workers and starts their threads. These create their renderers while the
-// job creates its own. The job's device must be open.
+// job creates its own. The job's device must be open. Devices with the same memory get equal shares
+// of it.
 bool render_devices_start(struct render_devices *devices, const struct gpu_params *gpu,
                           const char *text, const struct job_params *params, struct err *err);
 // Ends the workers. Waits until each has finished its current block.

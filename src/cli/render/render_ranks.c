@@ -81,6 +81,7 @@ bool render_ranks_open_device(const struct options *options, struct render_ranks
     struct arena arena = {0};
     struct gpu_params params;
     struct rank_card card = {0};
+    uint32_t sharers;
     bool ok = choose_device(options, ranks, &arena, &params, err) && gpu_open(&params, gpu, err);
     if (ok) {
         const uint64_t kernels = kernels_hash();
@@ -89,7 +90,12 @@ bool render_ranks_open_device(const struct options *options, struct render_ranks
         card.hash = hash_bytes(card.hash, &kernels, sizeof kernels);
         snprintf(card.device, sizeof card.device, "%s", gpu->info.name);
         snprintf(card.driver, sizeof card.driver, "%s", gpu->info.driver);
-        ok = ranks->meet(ranks->context, &card, err);
+        memcpy(card.memory_id, gpu->info.memory_id, sizeof card.memory_id);
+        ok = ranks->meet(ranks->context, &card, &sharers, err);
+    }
+    if (ok && sharers > 1) {
+        gpu_share_memory(gpu, sharers);
+        ranks->wait_for_local(ranks->context);
     }
     arena_finish(&arena);
     return ok;

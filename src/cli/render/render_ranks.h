@@ -10,6 +10,7 @@
 struct rank_card {
     char device[256], driver[512];
     uint64_t hash; // of the command line, the scene and the kernels; must be the same for all ranks
+    uint8_t memory_id[16]; // see struct gpu_device_info
 };
 
 enum rank_order_kind { RANK_RENDERS, RANK_GIVES_FILM, RANK_ENDS };
@@ -23,8 +24,11 @@ struct render_ranks {
     uint32_t local_rank; // among the ranks of this machine
     struct crew crew;    // rank 0's
     // Called by all ranks: sends the card to rank 0. There it sets crew.members, and fails with
-    // ERR_INPUT if the hashes differ.
-    bool (*meet)(void *context, const struct rank_card *own, struct err *err);
+    // ERR_INPUT if the hashes differ. *sharers is the number of ranks of this machine that have the
+    // same device memory. All of them have called it when it returns.
+    bool (*meet)(void *context, const struct rank_card *own, uint32_t *sharers, struct err *err);
+    // Returns when all ranks of this machine have called it.
+    void (*wait_for_local)(void *context);
     // Called by workers: wait for an order, report a finished block, send a film.
     bool (*next)(void *context, struct rank_order *out, struct err *err);
     bool (*report)(void *context, double seconds, struct err *err);

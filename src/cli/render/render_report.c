@@ -129,8 +129,10 @@ static void print_ending(const struct render_run *run)
 static void print_memory(const struct render_run *run)
 {
     const struct renderer *r = &run->job.renderer;
-    printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; ",
-           (double)run->gpu.peak_bytes / 1048576.0, (double)memory_peak() / 1048576.0);
+    printf("memory    %.1f MiB on the device", (double)run->gpu.peak_bytes / 1048576.0);
+    if (run->gpu.sharers > 1)
+        printf(" (one of %u that share its memory)", run->gpu.sharers);
+    printf(", %.1f MiB on the host at its peak; ", (double)memory_peak() / 1048576.0);
     if (r->wave_size.least_used < r->wave_size.most_used)
         printf("waves of %u to %u samples, finally of %u, which was the fastest\n",
                r->wave_size.least_used, r->wave_size.most_used, r->wave_size.now);
