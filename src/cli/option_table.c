@@ -262,7 +262,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
         .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER,
         .fallback = "as often as 2 % of the time permits, and at least every 60 s",
-        .help = "Time between two checkpoints; 0: one after every wave.",
+        .help = "Time between two checkpoints; 0: one after every wave. With mpirun, 0 lets each rank "
+                "also save its samples after each of its blocks, in FILE.blocks-*, so that no "
+                "finished block is lost with a rank.",
         FIELD(render.checkpoint_seconds),
     },
     [OPTION_RESUME] = {

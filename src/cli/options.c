@@ -498,7 +498,7 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                                       .anisotropy = true},
                             .render.spp_per_frame = 1,
                             .render.sequence.frames_per_s = 24.0,
-                            .render.checkpoint_seconds = 60.0,
+                            .render.checkpoint_seconds = OPTION_CHECKPOINT_SECONDS,
                             .render.reopens = 2,
                             .converge.replicates = 16,
                             .converge.spp_from = 16,

@@ -243,6 +243,7 @@ struct render_options {
     bool accumulate;
     const char *checkpoint;    // NULL: none is written
     double checkpoint_seconds; // interval between two checkpoints
+#define OPTION_CHECKPOINT_SECONDS 60.0 // without --checkpoint-every: the longest one
     bool resume;
     const char *shard_text; // text given to --shard; NULL: none
     enum shard_by shard_by;

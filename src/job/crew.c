@@ -2,6 +2,7 @@
 #include "job/crew.h"
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "job/job_internal.h"
 #include <assert.h>
 #include <math.h>
@@ -22,7 +23,7 @@ bool crew_render(struct job *job, const struct sample_range *block, double *seco
         job->first_held = block->first;
     job->has_samples = true;
     job->renderer.next_sample = block->first;
-    bool ok = job_render_to(job, &step, block->end, 0.0, 1.0, err);
+    bool ok = job_render_to(job, &step, block->end, 0.0, 1.0, err) && job_hold(job, block, err);
     *seconds = clock_seconds_since(start);
     return ok;
 }
@@ -37,6 +38,7 @@ bool crew_take(struct job *job, struct arena *arena, struct crew_film *out, stru
     r->stats = (struct render_stats){0};
     r->next_sample = 0;
     job->has_samples = false;
+    job_hold_only(job, &(struct sample_range){0}, NULL); // an empty one needs no memory
     return !out->has_samples || renderer_clear(r, err);
 }
 
@@ -50,6 +52,10 @@ bool job_begin_crew(struct job *job, struct err *err)
     job->deal.blocks = arena_alloc(&job->arena, crew->count, sizeof *job->deal.blocks);
     job->has_samples = job->renderer.next_sample > job->samples_first;
     job->first_held = job->samples_first;
+    if (job->saved.end == 0 &&
+        !job_hold_only(job, &(struct sample_range){job->samples_first, job->renderer.next_sample},
+                       err))
+        return false;
     return job->deal.blocks || err_memory(err, "a crew", crew->count * sizeof *job->deal.blocks);
 }
 
@@ -189,6 +195,16 @@ static double progress_after(const struct job *job, const struct job_step *step,
     return fmin(progress_of(job, step) + (step->to - step->from) * part, step->to);
 }
 
+// Saves the job's own film if each block is to be saved. A failure is a warning, as with
+// checkpoints.
+static void save_own_block(struct job *job)
+{
+    const struct job_checkpoint_params *params = &job->params.checkpoint;
+    struct err failure = {0};
+    if (params->keeps_blocks && !crew_save(job, params->path, &failure))
+        log_warn("no block was saved: %s", failure.msg);
+}
+
 // Renders a block in the job's own film. A stop waits until it is finished, because a render cannot
 // be resumed from a film in which a pass of a block is incomplete.
 static bool render_own_block(struct job *job, const struct job_step *step, struct err *err)
@@ -206,6 +222,9 @@ static bool render_own_block(struct job *job, const struct job_step *step, struc
     bool ok = job_render_to(job, step, block.end, from, to, err);
     job->deal.is_in_block = false;
     note_block(job, own, block.end - block.first, clock_seconds_since(start));
+    ok = ok && job_hold(job, &block, err);
+    if (ok)
+        save_own_block(job);
     return ok;
 }
 
@@ -249,7 +268,9 @@ static bool gather(struct job *job, struct err *err)
     job->has_samples = true;
     job->first_held = job->samples_first;
     arena_finish(&arena);
-    return ok;
+    // While saved blocks are filled, their caller knows what the film has.
+    return ok && (job->saved.end > 0 ||
+                  job_hold_only(job, &(struct sample_range){job->samples_first, next}, err));
 }
 
 // Renders samples that are not divided among members: the rest of a pass, an odd sample, or fewer
@@ -268,7 +289,7 @@ static bool advance_alone(struct job *job, const struct job_step *step, struct e
     job->has_samples = true;
     job->first_held = job->samples_first;
     note_block(job, &job->params.crew->members[0], end - first, clock_seconds_since(start));
-    return ok;
+    return ok && job_hold(job, &block, err);
 }
 
 // Renders until the step is complete or a checkpoint is due, and adds the films.
@@ -292,16 +313,31 @@ static bool advance_once(struct job *job, const struct job_step *step, struct er
     return ok;
 }
 
+static void begin_deal(struct job *job, const struct job_step *step)
+{
+    const uint64_t first = job->renderer.next_sample;
+    job->deal.start_ns = clock_ns();
+    job->deal.seconds = 0.0;
+    job->deal.done = 0;
+    job->deal.all = (double)(step->samples - first);
+}
+
+bool job_advance_crew_once(struct job *job, const struct job_step *step, struct err *err)
+{
+    begin_deal(job, step);
+    while (job->renderer.next_sample < step->samples && !job_is_stopped(job))
+        if (!advance_once(job, step, err))
+            return false;
+    return true;
+}
+
 bool job_advance_crew(struct job *job, const struct job_step *step, struct err *err)
 {
     struct renderer *r = &job->renderer;
     const struct job_listener *listener = &job->params.listener;
-    const uint64_t first = r->next_sample;
     const double left = step->seconds - job_elapsed(job);
-    job->deal.start_ns = clock_ns();
+    begin_deal(job, step);
     job->deal.seconds = step->seconds > 0.0 ? fmax(left, 1e-9) : 0.0;
-    job->deal.done = 0;
-    job->deal.all = (double)(step->samples - first);
     while (r->next_sample < step->samples && !job_is_stopped(job)) {
         if (step->seconds > 0.0 && r->next_sample > job->samples_first &&
             job_elapsed(job) >= step->seconds) {

@@ -58,6 +58,12 @@ bool crew_render(struct job *job, const struct sample_range *block, double *seco
 // copy is the film's first sample. The records are in the arena.
 bool crew_take(struct job *job, struct arena *arena, struct crew_film *out, struct err *err);
 
+// Saves the film, with the list of its samples, in a file beside the checkpoint at `path`: its name
+// is that of the checkpoint with ".blocks-" and the number of the first sample. Does nothing if the
+// film has no samples that were not saved yet, or if a block is not finished. For the job with the
+// crew, too.
+bool crew_save(struct job *job, const char *path, struct err *err);
+
 // --- for the makers of a crew --------------------------------------------------------------------
 
 // Adds the film and the statistics of `part` to those of `to`. The order of additions does not

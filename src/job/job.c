@@ -198,7 +198,7 @@ bool job_create(struct job *job, struct err *err)
         return false;
     note_start(job);
     return job_begin_shard(job, err) && job_checkpoint_restore(job, err) &&
-           job_begin_crew(job, err);
+           job_open_blocks(job, err) && job_begin_crew(job, err);
 }
 
 bool job_start(const struct job_params *params, struct job *job, struct err *err)
@@ -217,6 +217,7 @@ void job_finish(struct job *job)
     renderer_finish(&job->renderer);
     arena_finish(&job->rescue.arena);
     arena_finish(&job->film_arena);
+    arena_finish(&job->saved.arena);
     arena_finish(&job->arena);
     *job = (struct job){0};
 }

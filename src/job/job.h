@@ -55,6 +55,16 @@ struct job_checkpoint_params {
     bool resume;      // resume from the file at `path` if it exists; if false, the file must not
                       // exist
     bool is_paced;    // shorter intervals, if the checkpoints then take a small part of the time
+    bool keeps_blocks; // for a rank of a crew: saves its samples after each of its blocks
+};
+
+// Samples that the ranks of a lost run had saved, and that are not yet in the film: see blocks.c.
+struct job_saved_blocks {
+    struct arena arena;
+    struct crew_film film;       // their sum
+    struct sample_ranges ranges; // in `film`
+    uint64_t end;                // the render goes on normally when all samples below this one are
+                                 // in the film; 0: nothing was saved
 };
 
 // A shard: one of several processes that share a render renders some of the samples of every pixel,
@@ -238,6 +248,10 @@ struct job {
     struct crew_deal deal;
     bool has_samples;    // the renderer's film has samples
     uint64_t first_held; // the first sample in that film
+    struct sample_ranges held; // all samples in that film
+    uint32_t held_capacity;
+    uint64_t held_saved; // number of samples of `held` that were saved last
+    struct job_saved_blocks saved;
 
     // Records.
     struct job_seconds seconds;

@@ -72,8 +72,31 @@ bool job_look_for_trace(struct job *job, struct err *err);
 bool job_checkpoint_open(struct job *job, struct err *err);
 bool job_checkpoint_restore(struct job *job, struct err *err);
 bool job_checkpoint_when_due(struct job *job, struct err *err);
+// Sets the note that the job stores in a checkpoint.
+void job_checkpoint_note(const struct job *job, uint64_t out[CHECKPOINT_NOTE_WORDS]);
 // Returns the number of seconds until the next checkpoint is due; 0: now; INFINITY: never.
 double job_checkpoint_wait(const struct job *job);
+
+// --- run.c ---
+// Returns the number of samples at which the film is needed next: for an error estimate, for a row
+// of the trace, or at the end.
+uint64_t job_next_stop(struct job *job);
+
+// --- crew.c ---
+// Renders until the step is complete, unless the job is stopped, and adds the films of the crew.
+bool job_advance_crew_once(struct job *job, const struct job_step *step, struct err *err);
+
+// --- blocks.c ---
+// Adds a block to job->held.
+bool job_hold(struct job *job, const struct sample_range *block, struct err *err);
+// Makes `range` the only one in job->held; it may be empty.
+bool job_hold_only(struct job *job, const struct sample_range *range, struct err *err);
+// For a render that is resumed: reads the blocks that ranks of a lost run have saved.
+bool job_open_blocks(struct job *job, struct err *err);
+// Renders the samples between them, and adds them to the film.
+bool job_fill_blocks(struct job *job, struct err *err);
+// Removes saved blocks that are in the checkpoint.
+void job_remove_blocks(const struct job *job);
 
 // --- shard.c ---
 // Determines the samples or rows of a shard; does nothing for other jobs. Fails with ERR_USAGE if

@@ -94,15 +94,19 @@ bool job_checkpoint_restore(struct job *job, struct err *err)
 
 // --- saving --------------------------------------------------------------------------------------
 
+void job_checkpoint_note(const struct job *job, uint64_t out[CHECKPOINT_NOTE_WORDS])
+{
+    memcpy(&out[JOB_NOTE_ERROR], &job->looks_error, sizeof job->looks_error);
+    out[JOB_NOTE_NEXT_LOOK] = job->next_look;
+    out[JOB_NOTE_SAMPLES] = job->scene->settings.spp;
+    out[JOB_NOTE_AOVS] = job->renderer.specialization.aovs;
+}
+
 static bool write_checkpoint(struct job *job, const char *path, struct err *err)
 {
     const struct checkpoint_text text = {job->identity, job->params.command};
-    uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS] = {
-                                     [JOB_NOTE_NEXT_LOOK] = job->next_look,
-                                     [JOB_NOTE_SAMPLES] = job->scene->settings.spp,
-                                     [JOB_NOTE_AOVS] = job->renderer.specialization.aovs,
-                                 };
-    memcpy(&note[JOB_NOTE_ERROR], &job->looks_error, sizeof job->looks_error);
+    uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS];
+    job_checkpoint_note(job, note);
     bool ok = checkpoint_write(&job->renderer, path, &text, note, err);
     job->seconds.write += clock_seconds_since(start);
     return ok;
@@ -116,7 +120,7 @@ static bool write_checkpoint(struct job *job, const char *path, struct err *err)
 double job_checkpoint_wait(const struct job *job)
 {
     const struct job_checkpoint_params *params = &job->params.checkpoint;
-    if (!params->path)
+    if (!params->path || job->saved.end > 0) // a checkpoint has all samples below a number
         return INFINITY;
     double every = params->seconds;
     if (params->is_paced)
@@ -132,7 +136,14 @@ bool job_checkpoint_save(struct job *job, struct err *err)
     // Before the pilot has made a plan, there is nothing to resume.
     if (!path || job_is_pilot(job))
         return true;
+    // Until the samples between saved blocks are rendered, these and the checkpoint remain.
+    if (job->saved.end > 0)
+        return crew_save(job, path, err);
     bool ok = write_checkpoint(job, path, err);
+    if (ok) {
+        job_remove_blocks(job);
+        job->held_saved = job->renderer.next_sample - job->samples_first;
+    }
     job->has_checkpoint |= ok;
     job->checkpoint_cost = clock_seconds_since(from);
     job->checkpoint_ns = clock_ns();

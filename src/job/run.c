@@ -92,6 +92,13 @@ static double expected_samples(const struct job *job, uint64_t most)
     return job->params.goal.samples > 0 ? (double)most : INFINITY;
 }
 
+// Returns the unit of the numbers of samples at which interim tests are made.
+static uint64_t looks_unit(const struct job *job)
+{
+    const uint64_t each = job_step_samples(job);
+    return each % LOOKS_FIRST == 0 ? each : LOOKS_FIRST * each;
+}
+
 // Plans the next interim test. If a checkpoint has stored one for the same error limit, that
 // remains.
 static void plan_looks(struct job *job, uint64_t unit)
@@ -109,8 +116,7 @@ static void plan_looks(struct job *job, uint64_t unit)
 // run.
 static bool render_to_error(struct job *job, struct err *err)
 {
-    uint64_t most = job->samples_most, each = job_step_samples(job);
-    uint64_t unit = each % LOOKS_FIRST == 0 ? each : LOOKS_FIRST * each;
+    uint64_t most = job->samples_most, each = job_step_samples(job), unit = looks_unit(job);
     plan_looks(job, unit);
     while (true) {
         double expected = expected_samples(job, most);
@@ -129,6 +135,17 @@ static bool render_to_error(struct job *job, struct err *err)
             return true;
         job->next_look = looks_next(next, excess(job), unit);
     }
+}
+
+uint64_t job_next_stop(struct job *job)
+{
+    const uint64_t row = job_next_row(job, steps_done(job));
+    uint64_t next = job->samples_most;
+    if (job->params.goal.error > 0.0) {
+        plan_looks(job, looks_unit(job));
+        next = job->next_look < next ? job->next_look : next;
+    }
+    return row < next ? row : next;
 }
 
 static bool render_image(struct job *job, struct err *err)
@@ -228,7 +245,9 @@ bool job_run(struct job *job, struct err *err)
     job->is_rendering = true;
     if (!prepare(job, err))
         return false;
-    bool ok = job->stopped || (goal->frames ? render_frames(job, err) : render_image(job, err));
+    bool ok = job->stopped ||
+              (job_fill_blocks(job, err) &&
+               (job->stopped || (goal->frames ? render_frames(job, err) : render_image(job, err))));
     if (job->stopped)
         job->ended_by = ENDED_BY_SIGNAL;
     job->seconds.render = job->renderer.stats.render_seconds;

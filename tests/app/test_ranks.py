@@ -156,9 +156,9 @@ class Ends(Ranks):
         self.assertEqual(alone.returncode, 3)
         self.assertIn('this is one of 3 processes', alone.stderr)
 
-    def start(self, *arguments, **options):
+    def start(self, *arguments, launcher=(), **options):
         command = self.command(*arguments, '-q', '-o', 'killed.exr', **options)
-        process = subprocess.Popen(self.mpi(3, *command), cwd=self.folder.name, text=True,
+        process = subprocess.Popen([*RANKS, *launcher, '-n', '3', LAMPYRIS, *command], cwd=self.folder.name, text=True,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.addCleanup(lambda: process.poll() is None and process.kill())
         return process
@@ -203,8 +203,93 @@ class Ends(Ranks):
         os.kill(ranks_of(process)[2], signal.SIGKILL)
         _, stderr = process.communicate(timeout=120)
         self.assertNotEqual(process.returncode, 0)
-        self.assertRegex(stderr, 'continues from the last checkpoint, with or without mpirun: '
+        self.assertRegex(stderr, 'continues from the last checkpoint and the saved blocks, with or without mpirun: '
                                  'lampyris render .* --resume')
+
+    def saved_blocks(self):
+        return sorted(name for name in os.listdir(self.folder.name) if name.startswith('ck.blocks-'))
+
+    def wait_for(self, process, is_so):
+        while not is_so():
+            self.assertIsNone(process.poll(), process.stderr)
+            time.sleep(0.005)
+
+    def wait_for_end(self, process, ranks):
+        _, stderr = process.communicate(timeout=120)
+        while any(os.path.exists(f'/proc/{pid}') for pid in ranks): # mpirun does not wait for all of them
+            time.sleep(0.01)
+        return stderr
+
+    def go_on(self):
+        """Resumes with three ranks to a few samples more: only those that are in no file are rendered. Returns the
+        samples of the files."""
+        status = json.loads(self.run_one('merge', '--status', '--json', *self.saved_blocks()).stdout)
+        held = [tuple(map(int, part.split(':'))) for file in status['parts'] for part in file['has'].split(',')]
+        samples = max(end for _, end in held) + 64
+        one = self.of_one('--spp', str(samples))
+        before = os.path.exists(self.path('ck'))
+        result = self.run_ranks(3, *self.command('--spp', str(samples), '--checkpoint', 'ck', '--resume', '-o',
+                                                 'ranks.exr', '--json', '-q'))
+        picture = self.told(result, 'ranks.exr')
+        self.assertEqual(picture[:2] + picture[3:], one[:2] + one[3:])
+        self.assertIn('samples per pixel are added that ranks of a lost run had saved', result.stderr)
+        self.assertEqual(self.saved_blocks(), [])
+        rendered = sum(member['spp'] for member in json.loads(result.stdout)['members'])
+        if not before or held[0][0] == 0: # otherwise the checkpoint has more
+            self.assertEqual(rendered, samples - sum(end - first for first, end in held))
+        return sorted(held)
+
+    @unittest.skipUnless(OPEN_MPI, "MPICH's mpirun kills all ranks at once")
+    def test_ranks_that_survive_save_what_they_have_finished(self):
+        """Whichever rank is killed, the files of the others have all samples of their finished blocks."""
+        for victim in (2, 0):
+            process = self.start('--spp', '1M', '--checkpoint', 'ck', '--checkpoint-every', '1',
+                                 launcher=('--mca', 'odls_base_sigkill_timeout', '10'))
+            self.wait_for(process, lambda: os.path.exists(self.path('ck')))
+            time.sleep(0.7)
+            ranks = ranks_of(process)
+            os.kill(ranks[victim], signal.SIGKILL)
+            stderr = self.wait_for_end(process, ranks)
+            self.assertIn('continues from the last checkpoint and the saved blocks', stderr)
+            self.assertEqual('ck.blocks-0' in self.saved_blocks(), victim != 0)
+            self.assertIn(len(self.saved_blocks()), (1, 2)) # a rank without a block since the checkpoint has none
+            self.go_on()
+            os.unlink(self.path('ck'))
+
+    def test_no_finished_block_is_lost_if_each_is_saved(self):
+        """Neither with --checkpoint-every 0 if all ranks and mpirun are killed at once."""
+        process = self.start('--spp', '1M', '--checkpoint', 'ck', '--checkpoint-every', '0')
+        self.wait_for(process, lambda: len(self.saved_blocks()) == 3)
+        ranks = ranks_of(process)
+        for pid in (process.pid, *ranks):
+            os.kill(pid, signal.SIGKILL)
+        self.wait_for_end(process, ranks)
+        held = self.go_on()
+        end = max(range_[1] for range_ in held)
+        gaps = sum(a[1] < b[0] for a, b in zip([(0, 0), *held], held))
+        # The blocks that were not finished: two of each worker and one of rank 0.
+        self.assertLessEqual(gaps, 5)
+        self.assertGreater(sum(b - a for a, b in held), end // 2)
+
+    def test_saved_blocks_of_another_render_are_left_out(self):
+        one = self.of_one('--spp', '3000')
+        process = self.start('--spp', '1M', '--seed', '7', '--checkpoint', 'ck', '--checkpoint-every', '0')
+        self.wait_for(process, lambda: len(self.saved_blocks()) == 3)
+        ranks = ranks_of(process)
+        for pid in (process.pid, *ranks):
+            os.kill(pid, signal.SIGKILL)
+        self.wait_for_end(process, ranks)
+        if os.path.exists(self.path('ck')):
+            os.unlink(self.path('ck'))
+        names = self.saved_blocks()
+        damaged = bytearray(self.read(names[-1]))
+        damaged[-50] ^= 1
+        self.write(names[-1], damaged)
+        result = self.run_one(*self.command('--spp', '3000', '--checkpoint', 'ck', '--resume', '-o', 'one.exr', '--json',
+                                            '-q'))
+        self.assertEqual(self.told(result, 'one.exr')[:2], one[:2])
+        self.assertIn('these samples are rendered again', result.stderr)
+        self.assertIn('seed', result.stderr)
 
     def test_a_lost_rank_loses_little(self):
         """Checkpoints come by themselves, so often that a rank that is lost, be it the one that writes them, takes
@@ -228,7 +313,7 @@ class Ends(Ranks):
             # MPICH's mpirun kills all ranks at once, so that none can say anything.
             command = shlex.join(self.command(*arguments, '-q', '-o', 'killed.exr', '--checkpoint', 'ck', '--resume'))
             if OPEN_MPI:
-                told = re.search('continues from the last checkpoint, with or without mpirun: '
+                told = re.search('continues from the last checkpoint and the saved blocks, with or without mpirun: '
                                  'lampyris (render .* --resume)', stderr)
                 self.assertTrue(told, stderr)
                 command = told[1]

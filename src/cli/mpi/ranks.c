@@ -131,15 +131,20 @@ static bool give(void *context, uint32_t worker, const struct sample_range *bloc
     return true;
 }
 
-// Prints how to continue, in case a rank was lost: mpirun then ends all ranks after a second.
+// Saves the blocks of rank 0 and prints how to continue, in case a rank was lost: mpirun then ends
+// all ranks after a second.
 static void mention_stop(struct ranks_context *c)
 {
-    if (c->is_told || !progress_should_stop(c->options->progress))
+    if (!progress_should_stop(c->options->progress))
+        return;
+    if (signals_received_sigterm())
+        render_ranks_save(c->ranks);
+    if (c->is_told)
         return;
     c->is_told = true;
     if (c->options->render.checkpoint)
         log_warn("stopping: waiting for the blocks of other ranks; if one was lost, this continues "
-                 "from the last checkpoint, with or without mpirun: %s%s",
+                 "from the last checkpoint and the saved blocks, with or without mpirun: %s%s",
                  c->options->command_line, c->options->render.resume ? "" : " --resume");
     else
         log_warn("stopping: waiting for the blocks of other ranks; if a rank was lost, all samples "
@@ -175,18 +180,22 @@ static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_fil
 
 // --- workers -------------------------------------------------------------------------------------
 
-// Rank 0 prints how to continue if another rank was lost, and rank 1 if rank 0 was lost. After any
-// loss, mpirun sends SIGTERM to all remaining ranks before it kills them.
+// Saves the blocks of this rank. Rank 0 prints how to continue if another rank was lost, and rank 1
+// if rank 0 was lost. After any loss, mpirun sends SIGTERM to all remaining ranks before it kills
+// them.
 static void mention_lost_leader(struct ranks_context *c)
 {
-    if (c->is_told || c->ranks->rank != 1 || !signals_received_sigterm())
+    if (!signals_received_sigterm())
+        return;
+    render_ranks_save(c->ranks);
+    if (c->is_told || c->ranks->rank != 1)
         return;
     c->is_told = true;
     if (c->options->render.checkpoint)
         log_message(
             LOG_ERROR,
-            "stopping: if rank 0 was lost, this continues from the last checkpoint, with or "
-            "without mpirun: %s%s",
+            "stopping: if rank 0 was lost, this continues from the last checkpoint and the saved "
+            "blocks, with or without mpirun: %s%s",
             c->options->command_line, c->options->render.resume ? "" : " --resume");
 }
 

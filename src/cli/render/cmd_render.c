@@ -87,6 +87,12 @@ static bool init_job(struct render_run *run, struct err *err)
     }
     if (run->ranks) {
         params.reopens = 0; // other ranks have parts of the film, so it cannot be rendered anew
+        run->ranks->job = &run->job;
+        run->ranks->checkpoint = options->render.checkpoint;
+        if (render_ranks_save_each(options)) { // so that films are not added after each block
+            params.checkpoint.keeps_blocks = params.checkpoint.is_paced = true;
+            params.checkpoint.seconds = OPTION_CHECKPOINT_SECONDS;
+        }
         params.crew = &run->ranks->crew;
     } else if (has_several_devices(options)) {
         params.reopens = 0;

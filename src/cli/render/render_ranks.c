@@ -3,6 +3,7 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/process.h"
+#include "base/signals.h"
 #include "cli/commands.h"
 #include "cli/render/render_run.h"
 #include "cli/sibling.h"
@@ -101,6 +102,21 @@ bool render_ranks_open_device(const struct options *options, struct render_ranks
     return ok;
 }
 
+// --- blocks --------------------------------------------------------------------------------------
+
+void render_ranks_save(struct render_ranks *ranks)
+{
+    struct err failure = {0};
+    if (ranks->job && ranks->checkpoint && !crew_save(ranks->job, ranks->checkpoint, &failure))
+        log_message(LOG_ERROR, "rank %u saved no blocks: %s", ranks->rank, failure.msg);
+}
+
+bool render_ranks_save_each(const struct options *options)
+{
+    return options_given(options, OPTION_CHECKPOINT_EVERY) &&
+           options->render.checkpoint_seconds == 0.0;
+}
+
 // --- workers -------------------------------------------------------------------------------------
 
 static bool give_film(struct job *job, struct render_ranks *ranks, struct err *err)
@@ -115,10 +131,22 @@ static bool give_film(struct job *job, struct render_ranks *ranks, struct err *e
     return ok;
 }
 
-static bool follow_orders(struct job *job, struct render_ranks *ranks, struct err *err)
+// A block counts as finished when it is reported, so it is saved before.
+static bool render_block(struct job *job, struct render_ranks *ranks,
+                         const struct sample_range *block, bool saves_each, struct err *err)
+{
+    double seconds;
+    if (!crew_render(job, block, &seconds, err))
+        return false;
+    if (saves_each || signals_received_sigterm())
+        render_ranks_save(ranks);
+    return ranks->report(ranks->context, seconds, err);
+}
+
+static bool follow_orders(struct job *job, struct render_ranks *ranks, bool saves_each,
+                          struct err *err)
 {
     struct rank_order order;
-    double seconds;
     while (ranks->next(ranks->context, &order, err)) {
         bool ok = true;
         if (order.kind == RANK_ENDS)
@@ -126,8 +154,7 @@ static bool follow_orders(struct job *job, struct render_ranks *ranks, struct er
         if (order.kind == RANK_GIVES_FILM)
             ok = give_film(job, ranks, err);
         else
-            ok = crew_render(job, &order.block, &seconds, err) &&
-                 ranks->report(ranks->context, seconds, err);
+            ok = render_block(job, ranks, &order.block, saves_each, err);
         if (!ok)
             return false;
     }
@@ -144,13 +171,16 @@ static bool work(struct render_run *run, struct err *err)
         .renderer = options_renderer_params(&options->device, &run->gpu, &run->scene, run->camera),
         .scene = &run->scene,
         .goal = render_goal(options),
+        .command = options->render.shared_line,
     };
+    run->ranks->job = &run->job;
+    run->ranks->checkpoint = options->render.checkpoint;
     params.renderer.aovs = options->render.aovs | options->error_by;
     params.renderer.window = run->window;
     return job_init(&params, &run->job, err) &&
            render_ranks_open_device(options, run->ranks, &run->scene, &run->gpu, err) &&
            job_open(&run->job, err) && job_create(&run->job, err) &&
-           follow_orders(&run->job, run->ranks, err);
+           follow_orders(&run->job, run->ranks, render_ranks_save_each(options), err);
 }
 
 // Renders as a worker. It prints no warnings, because rank 0 prints the same ones.

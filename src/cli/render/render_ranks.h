@@ -20,6 +20,8 @@ struct rank_order {
 };
 
 struct render_ranks {
+    struct job *job;        // this rank's; set before rendering
+    const char *checkpoint; // beside which it saves its blocks; NULL: nowhere
     uint32_t rank, count;
     uint32_t local_rank; // among the ranks of this machine
     struct crew crew;    // rank 0's
@@ -40,6 +42,10 @@ struct render_ranks {
 // Returns the number of processes that mpirun or srun started together with this one; 1 if it was
 // started alone.
 uint32_t render_ranks_expected(void);
+
+// Saves the blocks of this rank, if it has some that were not saved yet. Does not fail: a failure
+// is a warning.
+void render_ranks_save(struct render_ranks *ranks);
 
 // Renders as a rank. Rank 0 prints the result, and any rank its failure. Returns the exit code. If
 // it is not EXIT_CODE_OK, other ranks may still wait for this one, and the caller must abort them.

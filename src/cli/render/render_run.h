@@ -90,6 +90,10 @@ bool render_check_distinct(const struct render_run *run, struct err *err);
 // Checks that no output is an input. All inputs must be known.
 bool render_check_inputs(struct render_run *run, struct err *err);
 
+// --- render_ranks.c ---
+// Returns whether each rank saves its samples after each of its blocks.
+bool render_ranks_save_each(const struct options *options);
+
 // --- render_output.c ---
 // Chooses the names and checks before rendering whether the formats are known, the folders are
 // writable, and no other run writes the same files. They stay locked until render_release_outputs.
