@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/file_handle.h"
+#include "base/file_system.h"
 #include "base/hash.h"
 #include "base/log.h"
 #include <errno.h>
@@ -69,6 +70,22 @@ bool file_lock_take(struct file_lock *lock, const char *output, struct err *err)
         return true;
     forget(lock);
     return false;
+}
+
+void file_lock_remove_stale(const char *output)
+{
+    struct file_lock lock = {.handle = -1, .path = lock_path(output, NULL)};
+    bool is_locked = false;
+    if (lock.path && file_exists(lock.path))
+        lock.handle = file_handle_lock(lock.path, &is_locked);
+    if (lock.handle < 0) {
+        forget(&lock);
+    } else if (is_locked) {
+        file_lock_release(&lock);
+    } else { // the file system has no locks, so another run may still use the file
+        file_handle_close(lock.handle);
+        forget(&lock);
+    }
 }
 
 void file_lock_release(struct file_lock *lock)

@@ -600,6 +600,26 @@ class Killed(Shards):
             for part in parts:
                 os.unlink(self.path(part))
 
+    def test_merge_removes_what_killed_shards_left(self):
+        """The lock of a killed shard, and old temporary files; not those of other runs that may still write."""
+        parts = self.render_shards(2, '--spp', '8')
+        process = subprocess.Popen([LAMPYRIS, *self.command('--spp', '1M', '--shard', '1/2', '--checkpoint', 'a',
+                                                            '--checkpoint-every', '0', '-q')], cwd=self.folder.name)
+        while not os.path.exists(self.path('a')):
+            self.assertIsNone(process.poll())
+            time.sleep(0.01)
+        process.kill()
+        process.wait()
+        os.rename(self.path(parts[0]), self.path('a'))
+        for name, hours in (('.lampyris-1-0.tmp', 2), ('.lampyris-2-0.tmp', 0), ('.other.tmp', 2)):
+            self.write(name, b'x')
+            os.utime(self.path(name), (time.time() - 3600 * hours,) * 2)
+        hidden = [name for name in os.listdir(self.folder.name) if name.startswith('.')]
+        self.assertEqual(sum(name.endswith('.lock') for name in hidden), 1)
+        self.succeed('merge', 'a', parts[1], '-o', 'm.exr', '-q')
+        self.assertEqual({name for name in os.listdir(self.folder.name) if name.startswith('.')},
+                         {'.lampyris-2-0.tmp', '.other.tmp'})
+
     def test_an_unfinished_part(self):
         """Either the samples of the part count and the others are missing, or the error says how to continue
         it."""

@@ -217,6 +217,20 @@ class Slurm(Shards):
         whole = self.picture(self.command(*arguments), 'whole.exr')
         self.check(self.submit(5, '--shard-by', 'tiles', *arguments), 5, whole, has_pilots=True)
 
+    def samples_that_take(self, seconds):
+        """Measures the speed of this machine. Returns a size and a number of samples that take one process at least
+        so many seconds."""
+        for size in ('20x18', '200x180', '2000x1800'):
+            speeds = []
+            for _ in range(2):
+                report = json.loads(self.run_one(*self.command('--time', '2', '--json', '-q', '-o', 'speed.exr',
+                                                               size=size)).stdout)
+                speeds.append(report['spp'] / report['seconds']['render'])
+            samples = int(max(speeds) * seconds) // 2 * 2
+            if samples < 4 << 20:
+                break
+        return '--size', size, '--spp', str(max(samples, 400))
+
     def wait_until_both_render(self, job):
         self.cluster.wait(lambda: self.cluster.states(job) == ['RUNNING'] * 2, 'running tasks')
         # A part has a lock file beside it while it is rendered.
@@ -224,7 +238,7 @@ class Slurm(Shards):
                           'rendering shards')
 
     def test_preempted_shards_go_on(self):
-        arguments = ('--spp', '60k')
+        arguments = self.samples_that_take(20)
         whole = self.picture(self.command(*arguments), 'whole.exr')
         jobs = self.submit(2, *arguments)
         self.wait_until_both_render(jobs[0])
@@ -239,7 +253,8 @@ class Slurm(Shards):
     def test_tasks_go_on_after_their_time(self):
         """Slurm's shortest time limit is a minute, and it checks every half minute whether to signal
         tasks."""
-        arguments = ('--spp', '120k')
+        # The signal comes after at most 35 s, when both shards together need two minutes of the whole machine.
+        arguments = self.samples_that_take(120)
         whole = self.picture(self.command(*arguments), 'whole.exr')
         jobs = self.submit(2, *arguments, '--slurm', '--time=1 --signal=B:USR1@55')
         self.check(jobs, 2, whole)

@@ -1,6 +1,8 @@
 #define _GNU_SOURCE
 #include "base/file_lock.h"
 
+#include "base/file.h"
+#include "base/file_system.h"
 #include "temporary_folder.h"
 #include "test.h"
 
@@ -26,6 +28,27 @@ TEST(the_second_holder_fails_at_once)
     file_lock_release(&first);
     file_lock_release(&first);
     file_lock_release(NULL);
+    temporary_leave(folder);
+}
+
+// A killed process leaves the hidden file behind. It is removed unless a run holds its lock.
+TEST(stale_locks_are_removed)
+{
+    char folder[200];
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    struct err err = {0};
+    struct file_lock lock;
+    file_lock_remove_stale("c.exr"); // there is none
+    REQUIRE(file_lock_take(&lock, "c.exr", &err), "%s", err.msg);
+    const char *path = lock.path;
+    file_lock_remove_stale("c.exr");
+    CHECK(file_exists(path), "it is held");
+    char kept[256];
+    snprintf(kept, sizeof kept, "%s", path);
+    file_lock_release(&lock);
+    REQUIRE(file_write_atomic(kept, "", 0, &err), "%s", err.msg);
+    file_lock_remove_stale("c.exr");
+    CHECK(!file_exists(kept));
     temporary_leave(folder);
 }
 
@@ -107,5 +130,6 @@ TEST(devices_have_none)
 }
 
 TEST_MAIN(TEST_CASE(the_second_holder_fails_at_once), TEST_CASE(links_lead_to_one_lock),
-          TEST_CASE(links_that_lead_nowhere_share_the_lock), TEST_CASE(a_dead_holder_holds_nothing),
-          TEST_CASE(names_of_any_length), TEST_CASE(devices_have_none))
+          TEST_CASE(stale_locks_are_removed), TEST_CASE(links_that_lead_nowhere_share_the_lock),
+          TEST_CASE(a_dead_holder_holds_nothing), TEST_CASE(names_of_any_length),
+          TEST_CASE(devices_have_none))

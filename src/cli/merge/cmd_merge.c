@@ -5,6 +5,7 @@
 #include "base/file_inputs.h"
 #include "base/file_system.h"
 #include "base/log.h"
+#include "cli/merge/leftovers.h"
 #include "cli/outputs.h"
 #include "job/merge.h"
 #include "render/adaptive.h"
@@ -469,6 +470,8 @@ int cmd_merge(const struct options *options)
         else if (options->json)
             code = print_kept_json(&merge, options);
     }
+    if (code == EXIT_CODE_OK)
+        leftovers_remove(options->arguments, options->argument_count);
     merge_finish(&merge);
     return code;
 }
