@@ -1,6 +1,7 @@
 #include "job/bias.h"
 
 #include "base/maths.h"
+#include "render/light_paths.h"
 #include "scene/core/light.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -52,6 +53,39 @@ static void find_unconnected(const struct job *job, struct biases *biases)
         snprintf(bias->text, sizeof bias->text,
                  "delta lights (%u) illuminate only the first surfaces of a path: %u", count,
                  depth);
+}
+
+static bool can_have_light_paths(const struct job *job)
+{
+    const struct renderer *r = &job->renderer;
+    return light_paths_support(
+        &(struct light_paths_params){.scene = job->scene,
+                                     .flat = &r->flat,
+                                     .camera = &r->camera,
+                                     .aovs = r->aovs,
+                                     .tiles = r->specialization.features & FEATURE_TILES,
+                                     .has_window = r->window.width > 0},
+        NULL);
+}
+
+// Between a delta light and a camera ray, a perfectly specular surface blocks the shadow rays that
+// alone find the light, unless light paths do. Such a path has at least two scattering events: at
+// the specular surface, and at the surface that its light reaches.
+static void find_lost_caustics(const struct job *job, struct biases *biases)
+{
+    const struct settings *settings = &job->scene->settings;
+    const struct specialization *s = &job->renderer.specialization;
+    uint32_t count = lights_without_extent(job->scene);
+    bool is_specular = s->lobes & (LOBE_DELTA | LOBE_MIRROR);
+    if (settings->integrator != INTEGRATOR_PATH || settings->max_bounces < 2 || count == 0 ||
+        !is_specular || !(s->features & FEATURE_NEE))
+        return;
+    struct job_bias *bias = next_bias(biases, "integrator");
+    snprintf(bias->text, sizeof bias->text,
+             "caustics of delta lights (%u) at perfectly specular surfaces are missing: %s", count,
+             can_have_light_paths(job)
+                 ? "--integrator bidir finds them"
+                 : "--integrator bidir, which finds them, does not support this render");
 }
 
 static double mean_luminance(const struct film_image *film)
@@ -179,6 +213,7 @@ uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIA
     struct biases biases = {.list = list};
     if (follows_paths(&job->scene->settings)) {
         find_unconnected(job, &biases);
+        find_lost_caustics(job, &biases);
         find_capped(job, &biases);
         find_sparse(job, &biases);
     }

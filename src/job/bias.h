@@ -5,7 +5,7 @@
 
 #include "job/job.h"
 
-enum { JOB_MAX_BIASES = 8 };
+enum { JOB_MAX_BIASES = 9 };
 
 struct job_bias {
     const char *kind; // name of the setting that causes it

@@ -243,8 +243,12 @@ static bool check_emitters(const struct light_paths_params *p, struct err *err)
                    p->flat->small_count);
 }
 
+bool light_paths_support(const struct light_paths_params *p, struct err *err)
+{
+    return check_settings(p, err) && check_emitters(p, err) && check_media(p, err);
+}
+
 bool light_paths_check(const struct light_paths_params *p, struct err *err)
 {
-    return p->scene->settings.integrator != INTEGRATOR_BIDIR ||
-           (check_settings(p, err) && check_emitters(p, err) && check_media(p, err));
+    return p->scene->settings.integrator != INTEGRATOR_BIDIR || light_paths_support(p, err);
 }

@@ -13,8 +13,10 @@ struct light_paths_params {
     bool has_window; // the film is a window of the picture
 };
 
-// Fails with ERR_INPUT for settings and scenes that light paths do not support. Returns true for
-// other integrators.
+// Fails with ERR_INPUT for settings and scenes that light paths do not support, whatever the
+// integrator of the settings is.
+bool light_paths_support(const struct light_paths_params *params, struct err *err);
+// Does the same for INTEGRATOR_BIDIR, and returns true for other integrators.
 bool light_paths_check(const struct light_paths_params *params, struct err *err);
 
 #endif

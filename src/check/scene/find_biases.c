@@ -51,6 +51,8 @@ bool find_biases(struct survey *survey, struct err *err)
         const char *text = arena_strdup(survey->arena, list[i].text);
         if (strcmp(list[i].kind, "radiance-scaling") == 0)
             survey->unscaled = text;
+        else if (strcmp(list[i].kind, "integrator") == 0)
+            continue; // the finding light-lost measures how much light this is
         else if (!list[i].is_idle && !add(survey, list[i].kind, text, 1.0, NULL, err))
             return false;
     }
