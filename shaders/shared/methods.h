@@ -10,6 +10,7 @@
 #define INTEGRATOR_WHITTED                                                                         \
     3u                      // Whitted 1979: perfect reflection and refraction, hard shadows, Phong
 #define INTEGRATOR_BIDIR 4u // as INTEGRATOR_PATH, with light paths in addition
+#define INTEGRATOR_AUTO 5u  // no kernel has this value: see settings_integrator()
 
 // Sources of random numbers.
 #define SAMPLER_SOBOL 0u      // Owen-scrambled Sobol (Burley 2020)

@@ -1,6 +1,7 @@
 #include "job/bias.h"
 
 #include "base/maths.h"
+#include "render/focus.h"
 #include "render/light_paths.h"
 #include "scene/core/light.h"
 #include <inttypes.h>
@@ -13,8 +14,9 @@ struct biases {
 
 static bool follows_paths(const struct settings *settings)
 {
-    return settings->integrator == INTEGRATOR_PATH || settings->integrator == INTEGRATOR_DIRECT ||
-           settings->integrator == INTEGRATOR_BIDIR;
+    uint32_t integrator = settings_integrator(settings);
+    return integrator == INTEGRATOR_PATH || integrator == INTEGRATOR_DIRECT ||
+           integrator == INTEGRATOR_BIDIR;
 }
 
 static uint32_t depth_asked_for(const struct settings *settings)
@@ -69,20 +71,18 @@ static bool can_have_light_paths(const struct job *job)
 }
 
 // Between a delta light and a camera ray, a perfectly specular surface blocks the shadow rays that
-// alone find the light, unless light paths do. Such a path has at least two scattering events: at
-// the specular surface, and at the surface that its light reaches.
+// alone find the light, unless light paths do.
 static void find_lost_caustics(const struct job *job, struct biases *biases)
 {
-    const struct settings *settings = &job->scene->settings;
-    const struct specialization *s = &job->renderer.specialization;
-    uint32_t count = lights_without_extent(job->scene);
-    bool is_specular = s->lobes & (LOBE_DELTA | LOBE_MIRROR);
-    if (settings->integrator != INTEGRATOR_PATH || settings->max_bounces < 2 || count == 0 ||
-        !is_specular || !(s->features & FEATURE_NEE))
+    if (settings_integrator(&job->scene->settings) != INTEGRATOR_PATH)
+        return;
+    const struct focus_found found = focus_find(job->scene, &job->renderer.flat);
+    if (found.focus != FOCUS_LOST)
         return;
     struct job_bias *bias = next_bias(biases, "integrator");
     snprintf(bias->text, sizeof bias->text,
-             "caustics of delta lights (%u) at perfectly specular surfaces are missing: %s", count,
+             "caustics of delta lights (%u) at perfectly specular surfaces are missing: %s",
+             found.delta_lights,
              can_have_light_paths(job)
                  ? "--integrator bidir finds them"
                  : "--integrator bidir, which finds them, does not support this render");

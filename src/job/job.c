@@ -137,6 +137,11 @@ static bool should_stop(void *context)
     return !job->deal.is_in_block && progress_should_stop(job->params.progress);
 }
 
+struct progress job_progress(struct job *job)
+{
+    return (struct progress){report, should_stop, job};
+}
+
 // --- life ----------------------------------------------------------------------------------------
 
 bool job_init(const struct job_params *params, struct job *job, struct err *err)
@@ -155,14 +160,15 @@ bool job_init(const struct job_params *params, struct job *job, struct err *err)
 
 bool job_open(struct job *job, struct err *err)
 {
-    return job_checkpoint_open(job, err) && job_check_merged(job, err) && job_open_trace(job, err);
+    return job_choose_integrator(job, err) && job_checkpoint_open(job, err) &&
+           job_check_merged(job, err) && job_open_trace(job, err);
 }
 
 static void note_start(struct job *job)
 {
     const struct render_stats *stats = &job->renderer.stats;
     job->seconds.load += stats->flatten_seconds;
-    job->seconds.bvh = stats->bvh_seconds;
+    job->seconds.bvh += stats->bvh_seconds;
     job->seconds.bvh_uncached = job->renderer.bvh.stats.cached_seconds;
     job->seconds.upload = stats->upload_seconds;
     job->seconds.compile = stats->compile_seconds;
@@ -189,7 +195,7 @@ static bool create_renderer(struct job *job, const struct renderer_params *param
 bool job_create(struct job *job, struct err *err)
 {
     struct renderer_params params = job->params.renderer;
-    job->progress = (struct progress){report, should_stop, job};
+    job->progress = job_progress(job);
     params.scene = job->scene;
     params.tiles = job->params.goal.adaptive;
     params.open_ended = job_is_open_ended(job);
@@ -215,6 +221,7 @@ void job_finish(struct job *job)
         return;
     checkpoint_close(&job->resumed);
     renderer_finish(&job->renderer);
+    geometry_finish(&job->geometry);
     arena_finish(&job->rescue.arena);
     arena_finish(&job->film_arena);
     arena_finish(&job->saved.arena);

@@ -14,6 +14,8 @@
 #ifndef LAMPYRIS_JOB_JOB_H
 #define LAMPYRIS_JOB_JOB_H
 
+#include "flatten/geometry.h"
+#include "job/choice.h"
 #include "job/crew.h"
 #include "job/error_sources.h"
 #include "job/film_error.h"
@@ -113,6 +115,9 @@ struct job_params {
     // Other devices or processes that take part in the render; only for goals with an error, a time
     // or a number of samples. NULL: none.
     struct crew *crew;
+    // With INTEGRATOR_AUTO, chooses the integrator and sets it in the scene's settings. Otherwise
+    // INTEGRATOR_AUTO is INTEGRATOR_PATH.
+    bool chooses_integrator;
     const char *command;               // command line to store in checkpoints; NULL: none
     const struct reference *reference; // must have the image's size and outlive the job; NULL: none
     bool keeps_trace;                  // adds rows to the trace at doubling numbers of samples
@@ -224,6 +229,8 @@ struct job {
     struct scene *scene;
     struct gpu *gpu;
     struct renderer renderer;
+    struct geometry geometry; // of the renderer, if a choice of the integrator needed it
+    struct integrator_choice choice;
     struct progress progress; // passed to the renderer; reports to params.progress, with the
                               // elapsed fraction of the time limit
     struct arena arena;
@@ -289,9 +296,12 @@ struct job {
 // cannot be combined. Needs no device yet, but params->renderer.gpu must be the address of the
 // device that will be opened.
 bool job_init(const struct job_params *params, struct job *out, struct err *err);
-// Needs an open device. Computes the job's identity if a checkpoint or a trace needs it, and reads
-// the checkpoint to resume from, if there is one. Fails with ERR_INPUT if the checkpoint belongs to
-// another render.
+// Needs an open device. Chooses the integrator, if params.chooses_integrator is set. job_open()
+// calls it, too; callers with a crew call it before the workers start, which have the same scene.
+bool job_choose_integrator(struct job *job, struct err *err);
+// Needs an open device. Chooses the integrator. Computes the job's identity if a checkpoint or a
+// trace needs it, and reads the checkpoint to resume from, if there is one. Fails with ERR_INPUT if
+// the checkpoint belongs to another render.
 bool job_open(struct job *job, struct err *err);
 // Creates the renderer and restores the state from the checkpoint.
 bool job_create(struct job *job, struct err *err);

@@ -21,6 +21,8 @@ _Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
 // The lines of what merge needs to know of a render.
 #define JOB_SIZE_LINE "--size="
 #define JOB_ROUND_LINE "samples a round="
+// The line of the integrator, which has an option.
+#define JOB_INTEGRATOR_LINE "--integrator="
 
 // --- identity.c ---
 // Returns a copy of an identity without the lines that begin with one of `names`. Returns NULL when
@@ -55,7 +57,12 @@ bool job_estimate_error(struct job *job, double confidence, struct half_error *o
 // Makes the renderer compute the data that estimates need, while the device works.
 bool job_prepare_estimates(struct job *job, struct err *err);
 
+// Returns the listener for renderers, which reports to params.progress.
+struct progress job_progress(struct job *job);
+
 // --- pilot.c ---
+// Returns the seed of a pilot for renders with this seed.
+uint32_t job_pilot_seed(uint32_t seed);
 // Renders samples that are not part of the image, and plans each tile's number of samples from
 // their errors. Leaves the film empty, unless the job was stopped.
 bool job_run_pilot(struct job *job, struct err *err);

@@ -7,9 +7,8 @@
 #define PILOT_SAMPLES 16u
 #define SPEED_SAMPLES (1u << 16)
 
-// Returns the pilot's seed. Similar seeds have distinct results (Knuth 1998, section 6.4: 2^32 /
-// golden ratio).
-static uint32_t pilot_seed(uint32_t seed)
+// Similar seeds have distinct results (Knuth 1998, section 6.4: 2^32 / golden ratio).
+uint32_t job_pilot_seed(uint32_t seed)
 {
     return (seed ^ 0x85ebca6bu) * 2654435769u + 0x7f4a7c15u;
 }
@@ -25,7 +24,7 @@ bool job_warm_up(struct job *job, double seconds, struct job_speed *out, struct 
 {
     struct job_step step = {.samples = 1, .to = 1e-9};
     *out = (struct job_speed){0};
-    if (!job_begin(job, pilot_seed(job->scene->settings.seed), SPEED_SAMPLES, err) ||
+    if (!job_begin(job, job_pilot_seed(job->scene->settings.seed), SPEED_SAMPLES, err) ||
         !job_advance(job, &step, err))
         return false;
     double start = job_elapsed(job);
@@ -87,7 +86,7 @@ bool job_run_pilot(struct job *job, struct err *err)
     const struct render_call call = {.samples = 1, .progress_to = 1e-9, .stopped = &job->stopped};
     struct arena scratch = {0};
     renderer_set_rows(r, &all);
-    bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
+    bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, job_pilot_seed(seed), err) &&
               renderer_render(r, &call, err);
     // Without a plan, the pilot's samples are the only image.
     if (ok && !job->stopped)

@@ -166,7 +166,8 @@ static const char *kernel_reason(const struct renderer *r, uint32_t kernel)
     case KERNEL_add_splats:
         return r->scene->settings.integrator == INTEGRATOR_BIDIR
                    ? "no shadow rays are sent, so that light paths have nothing to add"
-                   : "--integrator is not bidir";
+               : r->why_path ? r->why_path
+                             : "--integrator is not bidir";
     case KERNEL_shade_ao:
         return "--integrator is not ao, or the scene is empty";
     case KERNEL_shade_whitted:

@@ -322,6 +322,7 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
         .pixels = params->window.width > 0 ? (uint64_t)params->window.width * params->window.height
                                            : (uint64_t)settings->width * settings->height,
         .aovs = params->aovs,
+        .why_path = params->why_path,
         .tunes_wave = params->tunes_wave,
         .kernel_set = params->kernels,
         .progress = params->progress,

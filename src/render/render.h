@@ -66,6 +66,9 @@ struct renderer_params {
     // The film has these pixels only, with the bits that they have in the whole picture. The window
     // must be inside of the picture. It cannot be combined with tiles or light paths.
     struct render_window window;
+    // Why the scene has no light paths, for part_reason(); NULL: the settings say so. Must outlive
+    // the renderer.
+    const char *why_path;
     const struct progress *progress;
 };
 
@@ -189,6 +192,7 @@ struct renderer {
     struct render_window window; // window of the picture that the film has; {0}: all of it
     uint64_t pixels;             // capacity: frame.width * frame.height is at most this
     uint32_t aovs;               // AOV_*, as requested
+    const char *why_path;        // see struct renderer_params
     struct arena arena;
     struct flat_scene flat; // arrays are in the arena, or in the shared geometry
     struct bvh bvh;

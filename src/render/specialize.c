@@ -272,9 +272,9 @@ static uint32_t neutral_features(const struct settings *settings)
 // Returns the number of vertices, from the beginning of a path, at which paths split.
 static uint32_t split_vertices(const struct settings *settings, uint32_t lobes)
 {
-    uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
-    bool samples_lobes =
-        settings->integrator == INTEGRATOR_PATH || settings->integrator == INTEGRATOR_DIRECT;
+    uint32_t integrator = settings_integrator(settings);
+    uint32_t most = integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
+    bool samples_lobes = integrator == INTEGRATOR_PATH || integrator == INTEGRATOR_DIRECT;
     if (!samples_lobes || !(lobes & LOBES_OF_TWO_PARTS))
         return 0;
     return settings->split_lobes < most ? settings->split_lobes : most;
@@ -443,7 +443,7 @@ struct specialization specialize(const struct specialize_params *p)
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,
         .interleave = gpu->info.is_cpu ? 16 : 1,
         .aovs = film_aovs_of_device(p->aovs),
-        .integrator = settings->integrator,
+        .integrator = settings_integrator(settings),
         .sampler = settings->sampler,
         .halves = settings->halves,
         .filter = settings->filter,

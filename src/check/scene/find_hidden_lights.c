@@ -648,7 +648,8 @@ static bool add_unaimed_lamps(struct survey *survey, struct err *err)
 bool find_hidden_lights(struct survey *survey, struct err *err)
 {
     const struct settings *settings = &survey->settings;
-    if (settings->integrator != INTEGRATOR_PATH && settings->integrator != INTEGRATOR_DIRECT)
+    if (settings_integrator(settings) != INTEGRATOR_PATH &&
+        settings_integrator(settings) != INTEGRATOR_DIRECT)
         return true;
     if (!settings->nee)
         return add_unaimed_lamps(survey, err);

@@ -280,7 +280,7 @@ static bool follow_paths(struct media_search *search, struct err *err)
     const struct settings *settings = &survey->settings;
     struct branches now, next;
     struct coincidences upon;
-    if (settings->integrator != INTEGRATOR_PATH)
+    if (settings_integrator(settings) != INTEGRATOR_PATH)
         return true;
     if (!make_branches(survey, &now, err) || !make_branches(survey, &next, err))
         return false;

@@ -210,7 +210,8 @@ bool measure_depth(struct survey *survey, struct err *err)
     double *films[DEPTH_STEPS + 1];
     if (settings->integrator == INTEGRATOR_AO)
         return add_occlusion(survey, err);
-    if ((settings->integrator != INTEGRATOR_PATH && settings->integrator != INTEGRATOR_DIRECT) ||
+    if ((settings_integrator(settings) != INTEGRATOR_PATH &&
+         settings_integrator(settings) != INTEGRATOR_DIRECT) ||
         settings->roulette == ROULETTE_FRAME || depths[0] >= DEPTH_MOST)
         return true;
     if (!render_at(survey, depths[0], &films[0], err))

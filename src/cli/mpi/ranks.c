@@ -255,7 +255,8 @@ static void wait_for_local(void *context)
     MPI_Barrier(c->local);
 }
 
-static bool meet(void *context, const struct rank_card *own, uint32_t *sharers, struct err *err)
+static bool meet(void *context, const struct rank_card *own, uint32_t *integrator,
+                 uint32_t *sharers, struct err *err)
 {
     struct ranks_context *c = context;
     struct render_ranks *ranks = c->ranks;
@@ -271,6 +272,7 @@ static bool meet(void *context, const struct rank_card *own, uint32_t *sharers, 
         ranks->crew.members[i].device = c->cards[i].device;
         ranks->crew.members[i].driver = c->cards[i].driver;
     }
+    MPI_Bcast(integrator, sizeof *integrator, MPI_BYTE, 0, c->comm);
     return true;
 }
 

@@ -73,6 +73,8 @@ static bool init_job(struct render_run *run, struct err *err)
     };
     params.renderer.aovs = options->render.aovs | options->error_by;
     params.renderer.window = run->window;
+    // An adaptive render is one by path, but a followed path has no tiles to say so.
+    params.chooses_integrator = !(follows_path(options) && options->render.adaptive);
     if (!follows_path(options)) {
         params.checkpoint = (struct job_checkpoint_params){
             .path = options->render.checkpoint,
@@ -147,15 +149,16 @@ static bool open_devices(struct render_run *run, struct err *err)
     const char *text = run->options->device.gpu.device;
     struct gpu_params params = run->options->device.gpu;
     if (run->ranks)
-        return render_ranks_open_device(run->options, run->ranks, &run->scene, &run->gpu, err);
+        return render_ranks_open_device(run->options, run->ranks, &run->job, err);
     if (render_devices_count(text) > 1)
         params.device = render_devices_name(text, 0, &run->arena);
     if (text && !params.device)
         return err_memory(err, "the name of a device", strlen(text));
     if (!gpu_open(&params, &run->gpu, err))
         return false;
-    return !run->job.params.crew ||
-           render_devices_start(&run->devices, &params, text, &run->job.params, err);
+    return !run->job.params.crew || // the workers use the scene, whose settings the choice sets
+           (job_choose_integrator(&run->job, err) &&
+            render_devices_start(&run->devices, &params, text, &run->job.params, err));
 }
 
 static void warn_of_different_devices(const struct crew *crew)

@@ -162,6 +162,28 @@ static json_t *adaptive_json(const struct render_run *run)
                      "least", run->job.plan.least, "most", run->job.plan.most);
 }
 
+static json_t *trial_json(const struct choice_trial *trial)
+{
+    return json_pack("{s:o, s:f}", "local_relmse", json_number(trial->error), "rays", trial->rays);
+}
+
+// Returns the integrator, and why it was chosen if the setting is auto.
+static json_t *integrator_json(const struct render_run *run)
+{
+    const struct integrator_choice *choice = &run->job.choice;
+    const uint32_t integrator = settings_integrator(&run->scene.settings);
+    json_t *pilot = json_null();
+    if (choice->samples > 0)
+        pilot =
+            json_pack("{s:i, s:i, s:i, s:f, s:o, s:o}", "width", (int)choice->width, "height",
+                      (int)choice->height, "spp", (int)choice->samples, "seconds", choice->seconds,
+                      "path", trial_json(&choice->path), "bidir", trial_json(&choice->bidir));
+    const char *reason = render_auto_reason(run);
+    return json_pack("{s:s, s:b, s:o, s:o}", "name", integrator_names[integrator], "auto",
+                     reason != NULL, "reason", reason ? json_string(reason) : json_null(), "pilot",
+                     pilot);
+}
+
 // Adds how the render ended, and how to resume it.
 static void add_ending(json_t *object, const struct render_run *run)
 {
@@ -233,6 +255,7 @@ bool render_print_json(const struct render_run *run, struct err *err)
         json_word_list(run->scene.notes, run->scene.note_count), "stopped_early", run->job.stopped,
         "version", LAMPYRIS_VERSION);
     add_ending(object, run);
+    json_object_set_new(object, "integrator", integrator_json(run));
     json_object_set_new(object, "rows", json_pack("[i, i]", film->rows.first, film->rows.end));
     json_object_set_new(object, "workgroup",
                         json_integer(run->job.renderer.specialization.workgroup));

@@ -77,13 +77,18 @@ static bool choose_device(const struct options *options, const struct render_ran
 }
 
 bool render_ranks_open_device(const struct options *options, struct render_ranks *ranks,
-                              const struct scene *scene, struct gpu *gpu, struct err *err)
+                              struct job *job, struct err *err)
 {
+    struct scene *scene = job->scene;
+    struct gpu *gpu = job->gpu;
     struct arena arena = {0};
     struct gpu_params params;
     struct rank_card card = {0};
     uint32_t sharers;
     bool ok = choose_device(options, ranks, &arena, &params, err) && gpu_open(&params, gpu, err);
+    // Rank 0 chooses the integrator for all.
+    if (ok && ranks->rank == 0)
+        ok = job_choose_integrator(job, err);
     if (ok) {
         const uint64_t kernels = kernels_hash();
         card.hash = hash_bytes(HASH_INIT, options->command_line, strlen(options->command_line));
@@ -92,7 +97,7 @@ bool render_ranks_open_device(const struct options *options, struct render_ranks
         snprintf(card.device, sizeof card.device, "%s", gpu->info.name);
         snprintf(card.driver, sizeof card.driver, "%s", gpu->info.driver);
         memcpy(card.memory_id, gpu->info.memory_id, sizeof card.memory_id);
-        ok = ranks->meet(ranks->context, &card, &sharers, err);
+        ok = ranks->meet(ranks->context, &card, &scene->settings.integrator, &sharers, err);
     }
     if (ok && sharers > 1) {
         gpu_share_memory(gpu, sharers);
@@ -178,7 +183,7 @@ static bool work(struct render_run *run, struct err *err)
     params.renderer.aovs = options->render.aovs | options->error_by;
     params.renderer.window = run->window;
     return job_init(&params, &run->job, err) &&
-           render_ranks_open_device(options, run->ranks, &run->scene, &run->gpu, err) &&
+           render_ranks_open_device(options, run->ranks, &run->job, err) &&
            job_open(&run->job, err) && job_create(&run->job, err) &&
            follow_orders(&run->job, run->ranks, render_ranks_save_each(options), err);
 }

@@ -26,9 +26,11 @@ struct render_ranks {
     uint32_t local_rank; // among the ranks of this machine
     struct crew crew;    // rank 0's
     // Called by all ranks: sends the card to rank 0. There it sets crew.members, and fails with
-    // ERR_INPUT if the hashes differ. *sharers is the number of ranks of this machine that have the
-    // same device memory. All of them have called it when it returns.
-    bool (*meet)(void *context, const struct rank_card *own, uint32_t *sharers, struct err *err);
+    // ERR_INPUT if the hashes differ. Afterwards all ranks have rank 0's value of *integrator.
+    // *sharers is the number of ranks of this machine that have the same device memory. All of them
+    // have called it when it returns.
+    bool (*meet)(void *context, const struct rank_card *own, uint32_t *integrator,
+                 uint32_t *sharers, struct err *err);
     // Returns when all ranks of this machine have called it.
     void (*wait_for_local)(void *context);
     // Called by workers: wait for an order, report a finished block, send a film.

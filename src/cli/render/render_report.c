@@ -140,6 +140,24 @@ static void print_memory(const struct render_run *run)
         printf("wave of %u paths%s\n", r->plan.wave_slots, memory_plan_in_flight(&r->plan));
 }
 
+const char *render_auto_reason(const struct render_run *run)
+{
+    if (run->job.choice.is_made)
+        return run->job.choice.reason;
+    return run->scene.settings.integrator == INTEGRATOR_AUTO
+               ? "the pictures of a sequence have the same integrator"
+               : NULL;
+}
+
+// Prints the integrator that auto has chosen.
+static void print_auto(const struct render_run *run)
+{
+    const char *reason = render_auto_reason(run);
+    if (reason)
+        printf("auto      %s: %s\n", integrator_names[settings_integrator(&run->scene.settings)],
+               reason);
+}
+
 void report_print_kernels(const struct render_stats *stats)
 {
     bool any = false;
@@ -355,6 +373,7 @@ void render_print_summary(struct render_run *run)
                "the medium inside them may be wrong\n",
                run->job.renderer.stats.media_lost);
     print_memory(run);
+    print_auto(run);
     explain_print_line(&run->job.renderer);
     print_outputs(run);
     if (run->options->render.trace) {

@@ -69,7 +69,7 @@ bool render_find_window(const struct options *options, const struct scene *scene
 // --- render_ranks.c ---
 // Opens a device of this machine for this rank, and reports it to rank 0.
 bool render_ranks_open_device(const struct options *options, struct render_ranks *ranks,
-                              const struct scene *scene, struct gpu *gpu, struct err *err);
+                              struct job *job, struct err *err);
 // Renders blocks for rank 0 until it ends; returns the exit code.
 int render_ranks_work(const struct options *options, struct render_ranks *ranks);
 // Replaces this process by lampyris-mpi. Returns an exit code if that program cannot be run.
@@ -117,6 +117,8 @@ int render_sequence(const struct options *options);
 // --- render_report.c ---
 void render_print_summary(struct render_run *run);
 bool render_print_json(const struct render_run *run, struct err *err);
+// Returns why auto is the integrator that it is; NULL if the integrator was named.
+const char *render_auto_reason(const struct render_run *run);
 // Returns the command to which --pixel and --sample are added to follow a path; NULL if paths
 // split, which cannot be followed.
 const char *render_following_command(const struct render_run *run);

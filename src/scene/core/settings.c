@@ -4,8 +4,13 @@
 #include <stdio.h>
 
 const char *const integrator_names[] = {
-    [INTEGRATOR_PATH] = "path",       [INTEGRATOR_DIRECT] = "direct", [INTEGRATOR_AO] = "ao",
-    [INTEGRATOR_WHITTED] = "whitted", [INTEGRATOR_BIDIR] = "bidir",   NULL,
+    [INTEGRATOR_PATH] = "path",
+    [INTEGRATOR_DIRECT] = "direct",
+    [INTEGRATOR_AO] = "ao",
+    [INTEGRATOR_WHITTED] = "whitted",
+    [INTEGRATOR_BIDIR] = "bidir",
+    [INTEGRATOR_AUTO] = "auto",
+    NULL,
 };
 
 const char *const sampler_names[] = {
@@ -178,6 +183,11 @@ void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_
         setting->special && (field_is_word(&setting->field, &settings) ||
                              field_get(&setting->field, &settings) == setting->field.min);
     snprintf(out, SETTING_RANGE_MAX, is_special ? "%s (%s)" : "%s", text, setting->special);
+}
+
+uint32_t settings_integrator(const struct settings *settings)
+{
+    return settings->integrator == INTEGRATOR_AUTO ? INTEGRATOR_PATH : settings->integrator;
 }
 
 float settings_filter_radius(const struct settings *settings)

@@ -74,6 +74,10 @@ void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX]);
 // Writes the default, such as "off (any distance)".
 void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_MAX]);
 
+// Returns the integrator that a renderer has with these settings. INTEGRATOR_AUTO is
+// INTEGRATOR_PATH, unless a job has made a choice and set it (job/choice.h).
+uint32_t settings_integrator(const struct settings *settings);
+
 // Returns the radius that was set, or else the filter's default.
 float settings_filter_radius(const struct settings *settings);
 

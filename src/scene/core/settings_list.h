@@ -59,7 +59,7 @@ SETTING(INTEGRATOR, uint32_t, integrator, "integrator", "integrator", "Method",
     "(direct), ambient occlusion (ao), or Whitted's ray tracing of 1979 (whitted): perfect "
     "reflection and refraction, hard shadows and Phong shading, for comparison. bidir computes the "
     "same picture as path, but also traces paths from the lights, to find light that glass and "
-    "metal focus.",
+    "metal focus. auto is bidir where render finds that it pays off, and path otherwise.",
     (CHOICE(integrator_names)), .fallback = INTEGRATOR_PATH, .label = "Integrator", .gap = true)
 SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
     "Maximum distance of occluders, in metres, for the integrator ao.",
