@@ -53,7 +53,6 @@ static bool adopt(struct job *job, const char *identity, struct err *err)
             return choose(job, integrators[i], NULL, err);
         if (!strstr(identity, line))
             continue;
-        job->choice.is_of_file = true;
         return choose(job, integrators[i], "an earlier run has chosen it", err);
     }
     return true;
@@ -194,12 +193,23 @@ static bool run_pilot(struct job *job, struct err *err)
 static bool choose_by_pilot(struct job *job, struct err *err)
 {
     const struct integrator_choice *choice = &job->choice;
-    if (!run_pilot(job, err))
+    struct err failure = {0};
+    // A device with too little memory for light paths may have enough for path.
+    if (!run_pilot(job, &failure)) {
+        if (!job->gpu->lost)
+            return choose(job, INTEGRATOR_PATH,
+                          arena_printf(&job->arena, "the pilot failed: %s", failure.msg), err);
+        *err = failure;
         return false;
+    }
+    job->choice.is_unfinished = job->stopped;
+    if (job->stopped)
+        return choose(job, INTEGRATOR_PATH, "the pilot was stopped", err);
     double by_path = choice->path.error * choice->path.rays;
     double by_bidir = choice->bidir.error * choice->bidir.rays * BIDIR_RAY_COST;
-    bool is_better = !job->stopped && by_bidir < by_path;
-    return choose(job, is_better ? INTEGRATOR_BIDIR : INTEGRATOR_PATH,
+    if (!(by_path > 0.0))
+        return choose(job, INTEGRATOR_PATH, "the pilot by path has no error", err);
+    return choose(job, by_bidir < by_path ? INTEGRATOR_BIDIR : INTEGRATOR_PATH,
                   arena_printf(&job->arena,
                                "in a pilot of %u x %u pixels, bidir needs about %.2g times the "
                                "time of path for the same error",

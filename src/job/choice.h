@@ -13,7 +13,7 @@ struct choice_trial {
 
 struct integrator_choice {
     bool is_made;       // the setting was auto, and the scene's settings now have the integrator
-    bool is_of_file;    // an earlier run made the choice, which its checkpoint has
+    bool is_unfinished; // a stop ended the pilot, so that a later run must choose again
     const char *reason; // owned by the job
     // The pilot's picture and samples per pixel; 0: there was no pilot.
     uint32_t width, height, samples;

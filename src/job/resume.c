@@ -133,8 +133,8 @@ bool job_checkpoint_save(struct job *job, struct err *err)
     const char *path = job->params.checkpoint.path;
     const uint64_t from = job->checkpoint_from ? job->checkpoint_from : clock_ns();
     job->checkpoint_from = 0;
-    // Before the pilot has made a plan, there is nothing to resume.
-    if (!path || job_is_pilot(job))
+    // Before the pilot has made a plan, or has chosen the integrator, there is nothing to resume.
+    if (!path || job_is_pilot(job) || job->choice.is_unfinished)
         return true;
     // Until the samples between saved blocks are rendered, these and the checkpoint remain.
     if (job->saved.end > 0)

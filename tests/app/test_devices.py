@@ -37,6 +37,7 @@ class Bits(Crews):
         self.check('--spp', '57', '--aov', 'all', '--error-by', 'part,bounce,emitter', '--wave', '1k')
         for samples in ('1', '2', '3', '5', '8'):
             self.check('--spp', samples, '--aov', 'ids', devices=(THREE,))
+        self.check('--spp', '8', '--integrator', 'auto', devices=(TWO,), scene='all_classes')
 
     def test_larger_pictures(self):
         self.check('--spp', '24', '--aov', 'depth,ids', size='200x150', devices=(TWO,))

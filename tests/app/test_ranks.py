@@ -88,6 +88,7 @@ class Bits(Ranks):
     def test_light_paths(self):
         self.check('--spp', '57', '--integrator', 'bidir', '--aov', 'depth,ids', counts=(3,))
         self.check('--error', '5e-3', '--integrator', 'bidir', size='40x36')
+        self.check('--spp', '8', '--integrator', 'auto', counts=(2,), scene='all_classes')
 
     def test_error(self):
         self.check('--error', '2e-3', '--aov', 'depth,ids', size='40x36')
