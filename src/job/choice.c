@@ -18,10 +18,10 @@
 #define PILOT_PIXELS 4096u
 #define PILOT_SAMPLES (1u << 17)
 #define PILOT_LEAST 32u
-// Fewer samples are not worth a pilot. Its samples are 0.6 % of these, with those of light paths;
-// but on a processor the kernels of a second integrator take as long to compile as 3 million
-// samples to render (docs/measurements/2026-11-27-auto.md).
-#define WORTH_A_PILOT 67108864.0
+// Fewer samples are not worth a pilot, which costs as much as rendering 1 million of these, less
+// than 3 %, on a processor whose driver has both integrators' kernels in its cache
+// (docs/measurements/2026-11-27-auto.md).
+#define WORTH_A_PILOT 33554432.0 // 2^25
 // A ray of bidir takes up to this many times as long as one of path, because there are more kernels
 // in which few paths are under way (docs/measurements/2026-11-26-light-paths.md).
 #define BIDIR_RAY_COST 1.3
