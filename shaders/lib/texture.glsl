@@ -13,13 +13,15 @@ struct texture_record {
     ivec2 size;
     uint flags;
     vec3 row_s, row_t;
+    vec2 green; // TEXTURE_GREEN
 };
 
 texture_record load_texture(uint at)
 {
     uvec4 head = load_materials(at);
-    return texture_record(head.x, ivec2(head.y & 0xffffu, head.y >> 16u), head.z,
-                          load_materials_float(at + 1u).xyz, load_materials_float(at + 2u).xyz);
+    vec4 row_s = load_materials_float(at + 1u), row_t = load_materials_float(at + 2u);
+    return texture_record(head.x, ivec2(head.y & 0xffffu, head.y >> 16u), head.z, row_s.xyz,
+                          row_t.xyz, vec2(row_s.w, row_t.w));
 }
 
 uint texture_use(uint flags)
@@ -32,17 +34,63 @@ uint texture_group(uint flags)
     return flags >> TEXTURE_GROUP_SHIFT & 15u;
 }
 
-// A word of four holds two texels of halves, or one of floats.
+// Rounds values that are 0 or at least 2^-14 to 11 bits, as halves have. No value of a code is
+// half-way between two halves.
+vec4 round_to_half(vec4 x)
+{
+    return uintBitsToFloat((floatBitsToUint(x) + 0x1000u) & 0xffffe000u);
+}
+
+// Decodes sRGB (IEC 61966-2-1, 5.3) up to the rounding to halves, from whole codes of 8 bits. The
+// polynomial is a best fit (Remez) not of the curve but of the halves of the codes from 11 on, in
+// units of their distances: before rounding it is nearer to the code's half than to any other by
+// 2.2e-6 of its value even if each of its operations is off by one ulp. So all devices get the
+// bits of image_srgb_to_linear(), rounded. tests/kernels/test_texture_codes.c derives the bound.
+vec3 decode_srgb(vec3 code)
+{
+    vec3 curve = vec3(SRGB_CURVE_7);
+    curve = curve * code + SRGB_CURVE_6;
+    curve = curve * code + SRGB_CURVE_5;
+    curve = curve * code + SRGB_CURVE_4;
+    curve = curve * code + SRGB_CURVE_3;
+    curve = curve * code + SRGB_CURVE_2;
+    curve = curve * code + SRGB_CURVE_1;
+    curve = curve * code + SRGB_CURVE_0;
+    return mix(curve, code * SRGB_TOE, lessThan(code, vec3(SRGB_CURVE_FROM)));
+}
+
+// Rounds any value in [0, 1] to a half, ties to even.
+float round_any_to_half(float x)
+{
+    uint bits = floatBitsToUint(x);
+    float coarse = uintBitsToFloat((bits + 0xfffu + (bits >> 13u & 1u)) & 0xffffe000u);
+    return x < exp2(-14.0) ? roundEven(x * exp2(24.0)) * exp2(-24.0) : coarse;
+}
+
+// The value of a texel's codes; the host has the same in texture_image.values.
+vec4 decode_codes(texture_record t, uint codes)
+{
+    vec4 code = vec4(uvec4(codes, codes >> 8u, codes >> 16u, codes >> 24u) & 255u);
+    vec4 value = code * CODE_UNIT;
+    value.rgb = (t.flags & TEXTURE_SRGB) != 0u ? decode_srgb(code.rgb) : value.rgb;
+    value = round_to_half(value);
+    // Only iridescence has a parameter whose texture goes from a minimum to a maximum.
+    if (HAS_LOBE(LOBE_IRIDESCENCE) && (t.flags & TEXTURE_GREEN) != 0u)
+        value.g = round_any_to_half(t.green.x + t.green.y * value.g);
+    return value;
+}
+
+// A word of four holds four texels of codes, or one of floats.
 vec4 load_texel(texture_record t, ivec2 place)
 {
     uint index = uint(place.y) * uint(t.size.x) + uint(place.x);
     bool is_float = HAS(FEATURE_TEXELS_FLOAT) &&
-                    (!HAS(FEATURE_TEXELS_HALF) || (t.flags & TEXTURE_FLOAT) != 0u);
-    uvec4 word = load_texels(t.texels + (is_float ? index : index >> 1u));
-    if (!HAS(FEATURE_TEXELS_HALF))
+                    (!HAS(FEATURE_TEXELS_CODES) || (t.flags & TEXTURE_FLOAT) != 0u);
+    uvec4 word = load_texels(t.texels + (is_float ? index : index >> 2u));
+    if (!HAS(FEATURE_TEXELS_CODES))
         return uintBitsToFloat(word);
-    uvec2 halves = (index & 1u) != 0u ? word.zw : word.xy;
-    vec4 texel = vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
+    uvec2 pair = (index & 2u) != 0u ? word.zw : word.xy;
+    vec4 texel = decode_codes(t, (index & 1u) != 0u ? pair.y : pair.x);
     return is_float ? uintBitsToFloat(word) : texel;
 }
 

@@ -105,7 +105,7 @@
 #define FEATURE_JITTER (1u << 15)
 #define FEATURE_TEXTURES (1u << 16)
 #define FEATURE_TEXELS_FLOAT (1u << 17) // some texture has texels of four floats
-#define FEATURE_TEXELS_HALF (1u << 18)  // some texture has texels of four halves
+#define FEATURE_TEXELS_CODES (1u << 18) // some texture has texels of four 8-bit codes
 #define FEATURE_UV0 (1u << 19)
 #define FEATURE_UV1 (1u << 20)
 #define FEATURE_TANGENTS (1u << 21)

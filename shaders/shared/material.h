@@ -166,6 +166,19 @@
 // Lobes that may transmit light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 
+// The values of 8-bit codes: see lib/texture.glsl.
+#define CODE_UNIT (1.0f / 255.0f)
+#define SRGB_TOE (1.0f / (255.0f * 12.92f)) // for codes below SRGB_CURVE_FROM
+#define SRGB_CURVE_FROM 11.0f
+#define SRGB_CURVE_0 8.619871805422008e-4f
+#define SRGB_CURVE_1 1.3757377746514976e-4f
+#define SRGB_CURVE_2 7.501581421820447e-6f
+#define SRGB_CURVE_3 5.110105760763872e-8f
+#define SRGB_CURVE_4 -1.898783630327472e-10f
+#define SRGB_CURVE_5 7.232788044701788e-13f
+#define SRGB_CURVE_6 -1.7231145717973317e-15f
+#define SRGB_CURVE_7 1.7945776447156848e-18f
+
 // The way in which a texture is read: bits of gpu_texture.flags.
 #define TEXTURE_WRAP_REPEAT 0u
 #define TEXTURE_WRAP_CLAMP 1u
@@ -174,7 +187,11 @@
 #define TEXTURE_WRAP_T_SHIFT 2 // 2 bits
 #define TEXTURE_NEAREST (1u << 4)
 #define TEXTURE_UV1 (1u << 5)   // the second UV set
-#define TEXTURE_FLOAT (1u << 6) // texels of four floats, else of four halves
+#define TEXTURE_FLOAT (1u << 6) // texels of four floats, else of four 8-bit codes
+// Of codes: red, green and blue are sRGB-encoded; green becomes
+// transform[0][3] + transform[1][3] * green.
+#define TEXTURE_SRGB (1u << 7)
+#define TEXTURE_GREEN (1u << 10)
 // The texture's use.
 #define TEXTURE_USE_SHIFT 8       // 2 bits
 #define TEXTURE_USE_SCALE 0u      // scales the parameters of a group

@@ -154,8 +154,8 @@ struct gpu_texture {
     uint size;   // width in bits 0-15, height in 16-31
     uint flags;  // TEXTURE_*
     uint align_texture;
-    float transform[2][4]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); the fourth element of a
-                           // row is 0
+    // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); for the fourth numbers see TEXTURE_GREEN.
+    float transform[2][4];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_texture, 48);
 #define TEXTURE_WORDS 3

@@ -41,7 +41,6 @@ static bool add_image(struct scene *scene, const struct image_place *p, struct e
     *image = (struct texture_image){.name = "made",
                                     .width = p->width,
                                     .height = p->height,
-                                    .is_float = true,
                                     .texels = texels,
                                     .greatest = p->value};
     *texture = (struct texture){.image = index,

@@ -362,8 +362,14 @@ bool image_decode_texels(const void *data, size_t size, const struct image_read_
     *out = (struct image_texels){0};
     if (!decode_params(params, &source, arena, &pixels, err))
         return false;
-    *out = (struct image_texels){pixels.width, pixels.height, !pixels.is_half, pixels.values};
-    return true;
+    *out = (struct image_texels){
+        .width = pixels.width,
+        .height = pixels.height,
+        .texels = pixels.values,
+        .is_srgb = pixels.is_codes && !params->is_linear,
+    };
+    return !pixels.is_codes || image_code_values(out->is_srgb, arena, &out->values, err) ||
+           err_prepend(err, "%s", params->path);
 }
 
 bool image_has_encoding(const void *data, size_t size, const char *path)

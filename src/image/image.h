@@ -111,20 +111,23 @@ bool image_has_known_name(const char *path);
 // Returns whether this build reads WebP. It needs libwebp.
 bool image_reads_webp(void);
 
-// Linear values: interleaved RGBA, row 0 at the top.
+// Interleaved RGBA, row 0 at the top: four 8-bit codes per texel, or four linear floats.
 struct image_texels {
     uint32_t width, height;
-    bool is_float; // four floats per texel, else four halves
     void *texels;
+    float (*values)[4]; // the linear value of each of the 256 codes in each channel; NULL: floats
+    bool is_srgb;       // the codes of colours are sRGB-encoded
 };
 
 // Decodes an image with its alpha. Images with at most 8 bits per component (PNG, JPEG, WebP, TGA)
-// are decoded to halves, whose steps in [0, 1] are at most 2^-11, an eighth of the step of 8-bit
-// codes; all others to floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores
-// colours multiplied by alpha (OpenEXR technical introduction, "Alpha"), so decoding divides them
-// by alpha, unless alpha is 0.
+// keep their 8-bit codes, whose values are rounded to halves: steps in [0, 1] are at most 2^-11, an
+// eighth of the step of the codes. All others are decoded to floats. Alpha is 1 if a file has none,
+// and is never sRGB-encoded. EXR stores colours multiplied by alpha (OpenEXR technical
+// introduction, "Alpha"), so decoding divides them by alpha, unless alpha is 0.
 bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
                          struct arena *arena, struct image_texels *out, struct err *err);
+// Allocates the values of codes in `arena`, as struct image_texels has them.
+bool image_code_values(bool is_srgb, struct arena *arena, float (**out)[4], struct err *err);
 // Returns whether image_read_params.is_linear applies to this file: its colours are sRGB-encoded
 // unless the caller knows better. True for PNG, JPEG, WebP and TGA.
 bool image_has_encoding(const void *data, size_t size, const char *path);

@@ -30,7 +30,7 @@ struct image_source {
     const char *layer; // EXR: layer to read; NULL: the channels without a layer
     uint32_t side_max; // maximum side; 0: no limit
     bool is_linear;    // codes are linear, not sRGB-encoded
-    bool with_alpha;   // RGBA, in halves if these suffice; else RGB in floats
+    bool with_alpha;   // RGBA, in 8-bit codes if the file has no more; else RGB in floats
     const struct progress *progress;
 };
 
@@ -38,13 +38,13 @@ struct image_source {
 struct pixels {
     uint32_t width, height;
     unsigned components;
-    bool is_half; // halves, else floats
+    bool is_codes; // 8-bit codes, else floats
     void *values;
 };
 
 struct pixels_size {
     uint64_t width, height;
-    unsigned bits;        // bits per component in the file; up to 8 fit into halves
+    unsigned bits;        // bits per component in the file; up to 8 fit into codes
     uint64_t extra_bytes; // bytes that the decoder needs in addition to the pixels
 };
 
@@ -57,13 +57,13 @@ bool pixels_allocate(const struct image_source *source, const struct pixels_size
 // progress requests a stop.
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
-// The value of each 8-bit code: [0] for colours, [1] for alpha.
+// The linear value of each 8-bit code of a colour.
 struct code_table {
-    float values[2][256];
-    uint16_t halves[2][256];
+    float values[256];
 };
-void code_table_fill(const struct image_source *source, struct code_table *table);
-// Stores a row of codes with `components` per pixel. Alpha is 1 if it is missing.
+void code_table_fill(bool is_linear, struct code_table *table);
+// Stores a row of codes with `components` per pixel: as codes, with an alpha of 255 if it is
+// missing, or as floats without alpha.
 void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *codes,
                       unsigned components, const struct code_table *table);
 

@@ -132,7 +132,7 @@ bool image_jpeg_read(const struct image_source *source, struct arena *arena, str
     reader.error.output_message = print_nothing;
     reader.progress.progress_monitor = limit_work;
     struct code_table table;
-    code_table_fill(source, &table);
+    code_table_fill(source->is_linear, &table);
     bool ok = run(&reader, &table);
     jpeg_destroy_decompress(&reader.decompress);
     memory_give(reader.library_bytes);

@@ -154,7 +154,7 @@ static void convert_wide_row(const struct png_reader *reader, uint32_t y)
 static bool convert(struct png_reader *reader)
 {
     struct code_table table;
-    code_table_fill(reader->source, &table);
+    code_table_fill(reader->source->is_linear, &table);
     for (uint32_t y = 0; y < reader->out->height; y++) {
         if (!pixels_go_on(reader->source, y, reader->out->width, reader->err)) {
             reader->reported = true;

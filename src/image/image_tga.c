@@ -80,7 +80,7 @@ static bool convert(const struct image_source *source, const uint8_t *codes,
                     const struct pixels *out, struct err *err)
 {
     struct code_table table;
-    code_table_fill(source, &table);
+    code_table_fill(source->is_linear, &table);
     for (uint32_t y = 0; y < out->height; y++) {
         if (!pixels_go_on(source, y, out->width, err))
             return false;

@@ -77,7 +77,7 @@ static bool decode(struct webp_reader *reader, struct err *err)
 static bool convert(const struct webp_reader *reader, const struct pixels *out, struct err *err)
 {
     struct code_table table;
-    code_table_fill(reader->source, &table);
+    code_table_fill(reader->source->is_linear, &table);
     for (uint32_t y = 0; y < out->height; y++) {
         if (!pixels_go_on(reader->source, y, out->width, err))
             return false;

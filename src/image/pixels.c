@@ -8,9 +8,9 @@ bool pixels_allocate(const struct image_source *source, const struct pixels_size
                      struct arena *arena, struct pixels *out, struct err *err)
 {
     uint64_t width = size->width, height = size->height, bytes;
-    bool is_half = source->with_alpha && size->bits <= 8;
+    bool is_codes = source->with_alpha && size->bits <= 8;
     unsigned components = source->with_alpha ? 4 : 3;
-    size_t pixel_bytes = components * (is_half ? sizeof(uint16_t) : sizeof(float));
+    size_t pixel_bytes = components * (is_codes ? sizeof(uint8_t) : sizeof(float));
     if (width == 0 || height == 0)
         return err_set(err, ERR_INPUT, "the picture is %llu x %llu pixels; expected at least 1 x 1",
                        (unsigned long long)width, (unsigned long long)height);
@@ -33,7 +33,7 @@ bool pixels_allocate(const struct image_source *source, const struct pixels_size
         .width = (uint32_t)width,
         .height = (uint32_t)height,
         .components = components,
-        .is_half = is_half,
+        .is_codes = is_codes,
         .values = arena_alloc(arena, (size_t)(width * height), pixel_bytes),
     };
     return out->values ? true : err_memory(err, what, bytes);
@@ -47,15 +47,32 @@ bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t widt
            err_set(err, ERR_STOPPED, "stopped while decoding");
 }
 
-void code_table_fill(const struct image_source *source, struct code_table *table)
+void code_table_fill(bool is_linear, struct code_table *table)
 {
     for (int i = 0; i < 256; i++) {
         float value = (float)i / 255.0f;
-        table->values[0][i] = source->is_linear ? value : image_srgb_to_linear(value);
-        table->values[1][i] = value;
-        for (int k = 0; k < 2; k++)
-            table->halves[k][i] = half_from_float(table->values[k][i]);
+        table->values[i] = is_linear ? value : image_srgb_to_linear(value);
     }
+}
+
+static float round_to_half(float value)
+{
+    return float_from_half(half_from_float(value));
+}
+
+bool image_code_values(bool is_srgb, struct arena *arena, float (**out)[4], struct err *err)
+{
+    struct code_table table;
+    *out = arena_alloc(arena, 256, sizeof **out);
+    if (!*out)
+        return err_memory(err, "the values of codes", 256 * sizeof **out);
+    code_table_fill(!is_srgb, &table);
+    for (int i = 0; i < 256; i++) {
+        for (int c = 0; c < 3; c++)
+            (*out)[i][c] = round_to_half(table.values[i]);
+        (*out)[i][3] = round_to_half((float)i / 255.0f);
+    }
+    return true;
 }
 
 void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *codes,
@@ -65,9 +82,9 @@ void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *cod
     for (uint64_t x = 0; x < out->width; x++)
         for (unsigned c = 0; c < out->components; c++, at++) {
             uint8_t code = c < components ? codes[x * components + c] : 255;
-            if (out->is_half)
-                ((uint16_t *)out->values)[at] = table->halves[c == 3][code];
+            if (out->is_codes)
+                ((uint8_t *)out->values)[at] = code;
             else
-                ((float *)out->values)[at] = table->values[c == 3][code];
+                ((float *)out->values)[at] = table->values[code];
         }
 }

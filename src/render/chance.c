@@ -1,10 +1,10 @@
 #include "render/chance.h"
 
 #include "base/maths.h"
-#include "image/image.h"
 #include "scene/core/emission.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
+#include "scene/core/texture_load.h"
 #include "shared/material.h"
 #include "shared/methods.h"
 #include <math.h>
@@ -35,11 +35,10 @@ static double least_roughness(const struct scene *scene, const struct material *
             continue;
         uint32_t channel = texture_channel(texture, PARAMETER_ROUGHNESS);
         float texel = INFINITY;
-        for (size_t t = 0; t < (size_t)image->width * image->height; t++) {
-            size_t at = 4 * t + channel;
-            texel = fminf(texel, image->is_float
-                                     ? ((const float *)image->texels)[at]
-                                     : float_from_half(((const uint16_t *)image->texels)[at]));
+        for (uint64_t t = 0; t < (uint64_t)image->width * image->height; t++) {
+            float channels[4];
+            texture_texel(image, t, channels);
+            texel = fminf(texel, channels[channel]);
         }
         least *= (double)fmaxf(texel, 0.0f);
     }

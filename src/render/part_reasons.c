@@ -80,7 +80,7 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_JITTER, "all samples are at the pixels' centres"},
         {FEATURE_TEXTURES, "no material has a texture"},
         {FEATURE_TEXELS_FLOAT, "no texture has 32-bit floats"},
-        {FEATURE_TEXELS_HALF, "no texture is stored as half floats"},
+        {FEATURE_TEXELS_CODES, "no texture has 8 bits per channel"},
         {FEATURE_UV0, "no material reads texture coordinates"},
         {FEATURE_UV1, "no material reads a second set of texture coordinates"},
         {FEATURE_TANGENTS, "no material reads tangents"},
@@ -91,7 +91,7 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_TILES, "--adaptive off"},
     };
     const char *integrator = integrator_reason(r);
-    const uint32_t of_materials = FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
+    const uint32_t of_materials = FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_CODES |
                                   FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS |
                                   FEATURE_ALPHA | FEATURE_MEDIA | FEATURE_NORMAL_MAPS |
                                   FEATURE_EMISSION | FEATURE_CLASSES | FEATURE_ROULETTE |

@@ -154,7 +154,7 @@ static uint32_t texture_features(const struct scene *scene, const struct materia
         const struct texture *texture = &scene->textures[material->first_texture + i];
         features |= FEATURE_TEXTURES;
         features |=
-            scene->images[texture->image].is_float ? FEATURE_TEXELS_FLOAT : FEATURE_TEXELS_HALF;
+            scene->images[texture->image].values ? FEATURE_TEXELS_CODES : FEATURE_TEXELS_FLOAT;
         if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_NORMAL)
             features |= FEATURE_NORMAL_MAPS;
     }
@@ -291,7 +291,7 @@ static void specialize_ao(struct specialization *s)
 {
     uint32_t kept = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_CLAMP;
     if ((s->features & FEATURE_ALPHA) || (s->aovs & AOV_ALBEDO))
-        kept |= FEATURE_ALPHA | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
+        kept |= FEATURE_ALPHA | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_CODES |
                 FEATURE_UV0 | FEATURE_UV1 | FEATURE_COLORS;
     s->features = (s->features & kept) | FEATURE_ENVIRONMENT;
     s->features |= has_surfaces(s) ? FEATURE_NEE : 0u;
@@ -335,8 +335,7 @@ static bool texels_fit(const struct gpu *gpu, const struct bvh *bvh, const struc
                                       });
     uint64_t texel_bytes = 0; // upper bound: equal images are uploaded only once
     for (uint32_t i = 0; i < scene->image_count; i++)
-        texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
-                       (scene->images[i].is_float ? 16u : 8u);
+        texel_bytes += texture_image_bytes(&scene->images[i]);
     return gpu_texel_fits(gpu, bvh_nodes_bytes(bvh)) &&
            gpu_texel_fits(gpu, (uint64_t)bvh->reference_count * sizeof(struct gpu_triangle)) &&
            gpu_texel_fits(gpu, environment_bytes) && gpu_texel_fits(gpu, texel_bytes);
@@ -692,7 +691,7 @@ const char *feature_name(uint32_t bit)
         [__builtin_ctz(FEATURE_CLASSES)] = "surface classes",
         [__builtin_ctz(FEATURE_TEXTURES)] = "textures",
         [__builtin_ctz(FEATURE_TEXELS_FLOAT)] = "float textures",
-        [__builtin_ctz(FEATURE_TEXELS_HALF)] = "half-float textures",
+        [__builtin_ctz(FEATURE_TEXELS_CODES)] = "8-bit textures",
         [__builtin_ctz(FEATURE_UV0)] = "texture coordinates",
         [__builtin_ctz(FEATURE_UV1)] = "second texture coordinates",
         [__builtin_ctz(FEATURE_TANGENTS)] = "tangents",

@@ -1,4 +1,4 @@
-// Tests image_decode_texels: images with alpha, in halves and in floats, against known texels.
+// Tests image_decode_texels: images with alpha, in codes and in floats, against known texels.
 #include "exr_file.h"
 #include "picture.h"
 
@@ -18,14 +18,15 @@ static bool decode(const void *data, size_t size, bool is_linear, struct arena *
 static float component(const struct image_texels *texels, uint32_t pixel, uint32_t c)
 {
     size_t i = 4 * (size_t)pixel + c;
-    return texels->is_float ? ((const float *)texels->texels)[i]
-                            : float_from_half(((const uint16_t *)texels->texels)[i]);
+    return texels->values ? texels->values[((const uint8_t *)texels->texels)[i]][c]
+                          : ((const float *)texels->texels)[i];
 }
 
-// Halves have 11 bits, so rounding changes a value by at most 2^-11, or by 2^-25 if that is less.
+// Values of codes are halves with 11 bits, so rounding changes a value by at most 2^-11, or by
+// 2^-25 if that is less.
 static float tolerance(const struct image_texels *texels, float value)
 {
-    return texels->is_float ? 1e-6f * value : fmaxf(0x1p-11f * value, 0x1p-25f);
+    return texels->values ? fmaxf(0x1p-11f * value, 0x1p-25f) : 1e-6f * value;
 }
 
 // --- PNG -----------------------------------------------------------------------------------------
@@ -156,7 +157,8 @@ static void check_png(const struct png_kind *kind, int interlace, bool is_linear
     write_png(kind, interlace, &file);
     REQUIRE(decode(file.data, file.size, is_linear, &arena, &texels, &err), "%s", err.msg);
     CHECK(texels.width == SIDE && texels.height == SIDE);
-    CHECK(texels.is_float == (kind->depth == 16), "depth %d", kind->depth);
+    CHECK(!texels.values == (kind->depth == 16), "depth %d", kind->depth);
+    CHECK(texels.is_srgb == (texels.values && !is_linear), "depth %d", kind->depth);
     for (unsigned i = 0; i < SIDE * SIDE; i++) {
         float expected[4];
         expected_png(kind, i, is_linear, expected);
@@ -197,18 +199,24 @@ TEST(png_of_every_kind)
                 check_png(&kinds[i], interlace, is_linear);
 }
 
-// Half floats must keep all codes distinct, including an alpha of 1 from one of 254 / 255.
-TEST(halves_keep_all_codes)
+// The values must keep all codes distinct, including an alpha of 1 from one of 254 / 255.
+TEST(values_keep_all_codes)
 {
-    for (int is_linear = 0; is_linear < 2; is_linear++) {
-        const struct image_source source = {.is_linear = is_linear};
-        struct code_table table;
-        code_table_fill(&source, &table);
-        for (int kind = 0; kind < 2; kind++) {
-            for (int i = 1; i < 256; i++)
-                CHECK(table.halves[kind][i] > table.halves[kind][i - 1], "code %d", i);
-            CHECK(table.halves[kind][0] == 0 && float_from_half(table.halves[kind][255]) == 1.0f);
+    for (int is_srgb = 0; is_srgb < 2; is_srgb++) {
+        struct arena arena = {0};
+        struct err err = {0};
+        float(*values)[4];
+        REQUIRE(image_code_values(is_srgb, &arena, &values, &err), "%s", err.msg);
+        for (int c = 0; c < 4; c++) {
+            for (int i = 0; i < 256; i++) {
+                float encoded = (float)i / 255;
+                float wanted = is_srgb && c < 3 ? image_srgb_to_linear(encoded) : encoded;
+                CHECK(values[i][c] == float_from_half(half_from_float(wanted)), "code %d", i);
+                CHECK(i == 0 || values[i][c] > values[i - 1][c], "code %d", i);
+            }
+            CHECK(values[0][c] == 0 && values[255][c] == 1);
         }
+        arena_finish(&arena);
     }
 }
 
@@ -243,7 +251,7 @@ static void check_jpeg(J_COLOR_SPACE space, int components, bool is_linear)
     struct image_texels texels;
     struct err err = {0};
     REQUIRE(decode(data, size, is_linear, &arena, &texels, &err), "%s", err.msg);
-    CHECK(texels.width == SIDE && texels.height == SIDE && !texels.is_float);
+    CHECK(texels.width == SIDE && texels.height == SIDE && texels.values);
     for (uint32_t i = 0; i < SIDE * SIDE; i++) {
         CHECK(component(&texels, i, 3) == 1.0f);
         for (uint32_t c = 0; c < 3; c++) {
@@ -277,7 +285,7 @@ TEST(hdr_is_opaque)
     struct image_texels texels;
     struct err err = {0};
     REQUIRE(decode(file, sizeof file - 1, false, &arena, &texels, &err), "%s", err.msg);
-    CHECK(texels.is_float && texels.width == 2 && texels.height == 1);
+    CHECK(!texels.values && texels.width == 2 && texels.height == 1);
     CHECK(memcmp(texels.texels, expected, sizeof expected) == 0, "%g",
           (double)component(&texels, 1, 0));
     arena_finish(&arena);
@@ -292,7 +300,7 @@ static void check_exr(const struct exr_file *file, const int channel[4])
     struct err err = {0};
     REQUIRE(exr_file_write(file, &bytes));
     REQUIRE(decode(bytes.data, bytes.size, false, &arena, &texels, &err), "%s", err.msg);
-    CHECK(texels.is_float && texels.width == 5 && texels.height == 4);
+    CHECK(!texels.values && texels.width == 5 && texels.height == 4);
     for (uint32_t i = 0; i < 20; i++) {
         int x = (int)i % 5, y = (int)i / 5;
         float alpha = channel[3] < 0 ? 1 : exr_file_value(x, y, channel[3]);
@@ -350,7 +358,7 @@ TEST(sides_and_memory_are_limited)
           "%s", err.msg);
     CHECK(!texels.texels);
     params = (struct image_read_params){.path = "memory"};
-    memory_set_budget(memory_used() + SIDE * SIDE * 8);
+    memory_set_budget(memory_used() + SIDE * SIDE * 4);
     CHECK(!image_decode_texels(file.data, file.size, &params, &arena, &texels, &err) &&
               err.code == ERR_BUDGET && strstr(err.msg, "--memory"),
           "%s", err.msg);
@@ -359,6 +367,6 @@ TEST(sides_and_memory_are_limited)
     byte_buffer_finish(&file);
 }
 
-TEST_MAIN(TEST_CASE(png_of_every_kind), TEST_CASE(halves_keep_all_codes),
+TEST_MAIN(TEST_CASE(png_of_every_kind), TEST_CASE(values_keep_all_codes),
           TEST_CASE(jpeg_grey_and_colour), TEST_CASE(hdr_is_opaque),
           TEST_CASE(exr_with_and_without_alpha), TEST_CASE(sides_and_memory_are_limited))

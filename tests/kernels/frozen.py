@@ -141,13 +141,13 @@ FEATURES = {
     "tangents": (["TANGENTS"], {"shade_surface": ["decode_tangent()"]}),
     "texture coordinates": (["UV0", "UV1"], {"shade_surface": ["load_uv()"]}),
     "vertex colours": (["COLORS"], {"shade_surface": ["load_color()", "apply_color()"]}),
-    "textures": (["TEXTURES", "TEXELS_HALF", "TEXELS_FLOAT", "NORMAL_MAPS"], {
+    "textures": (["TEXTURES", "TEXELS_CODES", "TEXELS_FLOAT", "NORMAL_MAPS"], {
         "intersect_closest": ["filter_texture()", "[texels]"],
         "intersect_shadow": ["filter_texture()", "[texels]"],
         "shade_surface": ["filter_texture()", "load_texel()", "[texels]", "sphere_uv()",
                           "scale_material()"],
     }),
-    "half textures": (["TEXELS_HALF"], {"shade_surface": ["-"]}),
+    "8-bit textures": (["TEXELS_CODES"], {"shade_surface": ["decode_codes()", "decode_srgb()"]}),
     "float textures": (["TEXELS_FLOAT"], {"shade_surface": ["-"]}),
     "normal maps": (["NORMAL_MAPS"], {"shade_surface": ["perturb_normal()"]}),
     "alpha": (["ALPHA"], {

@@ -37,7 +37,7 @@ enum {
     UVS = TRAIT(22),           // the quad has two sets of texture coordinates
     COLORS = TRAIT(23),        // the quad has vertex colours
     BRUSHED_QUAD = TRAIT(24),  // the quad is anisotropic
-    TEXTURE = TRAIT(25),       // all surfaces have a texture of halves
+    TEXTURE = TRAIT(25),       // all surfaces have a texture of 8-bit codes
     FLOAT_TEXTURE = TRAIT(26), // all surfaces have a texture of floats
     TEXTURE_1 = TRAIT(27),     // all surfaces have a texture with the second set of coordinates
     NORMAL_MAP = TRAIT(28),
@@ -76,13 +76,18 @@ static void *present(void *memory)
 static void add_texture(struct scene *scene, struct material *material, bool is_float,
                         uint32_t flags)
 {
-    static const uint16_t halves[4] = {0x3800, 0x3800, 0x3c00, 0x3c00}; // 0.5, 0.5, 1, 1
+    static const uint8_t codes[4] = {128, 128, 255, 255};
     static const float floats[4] = {0.5f, 0.5f, 1, 1};
+    static float values[256][4];
     uint32_t image;
     struct texture_image *added = present(scene_add_image(scene, &image));
     *added = (struct texture_image){
-        .name = "texel", .width = 1, .height = 1, .is_float = is_float, .hash = image};
-    added->texels = is_float ? (const void *)floats : (const void *)halves;
+        .name = "texel", .width = 1, .height = 1, .hash = image, .green = {0, 1}};
+    for (int i = 0; i < 256; i++)
+        for (int c = 0; c < 4; c++)
+            values[i][c] = (float)i / 255;
+    added->texels = is_float ? (const void *)floats : (const void *)codes;
+    added->values = is_float ? NULL : (const float(*)[4])values;
     memcpy(added->mean, floats, sizeof floats);
     uint32_t index;
     struct texture *texture = present(scene_add_texture(scene, &index));
@@ -419,14 +424,14 @@ static const struct pair pairs[] = {
      QUAD | BRUSHED_QUAD | SPHERE | PRINCIPLED_SPHERE, FEATURE_CLASSES,
      BIT(KERNEL_shade_principled) | BIT(KERNEL_shade_classical), 0, 1, BIT(KERNEL_shade_surface)},
     {"textures", QUAD | UVS | TEXTURE, QUAD | UVS,
-     FEATURE_TEXTURES | FEATURE_TEXELS_HALF | FEATURE_UV0, 0,
+     FEATURE_TEXTURES | FEATURE_TEXELS_CODES | FEATURE_UV0, 0,
      BIT(BINDING_TEXELS) | BIT(BINDING_ATTRIBUTES), 0},
-    {"textures of shapes", SPHERE | TEXTURE, SPHERE, FEATURE_TEXTURES | FEATURE_TEXELS_HALF, 0,
+    {"textures of shapes", SPHERE | TEXTURE, SPHERE, FEATURE_TEXTURES | FEATURE_TEXELS_CODES, 0,
      BIT(BINDING_TEXELS), 0},
     {"float textures", SPHERE | TEXTURE | FLOAT_TEXTURE, SPHERE | TEXTURE, FEATURE_TEXELS_FLOAT, 0,
      0, 0},
-    {"half textures", SPHERE | TEXTURE | FLOAT_TEXTURE, SPHERE | FLOAT_TEXTURE, FEATURE_TEXELS_HALF,
-     0, 0, 0},
+    {"8-bit textures", SPHERE | TEXTURE | FLOAT_TEXTURE, SPHERE | FLOAT_TEXTURE,
+     FEATURE_TEXELS_CODES, 0, 0, 0},
     {"texture coordinates", QUAD | UVS | TEXTURE, QUAD | TEXTURE, FEATURE_UV0, 0,
      BIT(BINDING_ATTRIBUTES), 0},
     {"second texture coordinates", QUAD | UVS | TEXTURE | TEXTURE_1, QUAD | UVS | TEXTURE,
@@ -516,7 +521,7 @@ TEST(no_feature_is_forgotten)
 
 // Features that process data which scenes may lack; these are not compiled in on request.
 #define WITH_DATA                                                                                  \
-    (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |             \
+    (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_CODES |            \
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \
      FEATURE_NORMAL_MAPS | FEATURE_TILES)
 // Kernels of other integrators.

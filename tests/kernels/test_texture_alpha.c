@@ -53,13 +53,13 @@ TEST(opacities)
     struct scene *scene = &setup.scene;
     uint32_t image = add_image(scene, 8, 8, true, 1);
     add_texture(scene, image, texture_scales(GROUP_BASE, (int[]){0, 1, 2, 3}));
-    add_texture(scene, add_plain_image(scene, (float[]){0.5f, 0, 0, 0}, false),
+    add_texture(scene, add_plain_image(scene, (float[]){0.5f, 0, 0, 0}),
                 texture_scales(GROUP_BASE, (int[]){-1, -1, -1, 0}) | TEXTURE_UV1);
-    add_texture(scene, add_plain_image(scene, (float[]){0, 0, 0, 0}, false),
+    add_texture(scene, add_plain_image(scene, (float[]){0, 0, 0, 0}),
                 texture_scales(GROUP_BASE, (int[]){0, 1, 2, -1}));
-    add_texture(scene, add_plain_image(scene, (float[]){0, 0, 0, 0}, false),
+    add_texture(scene, add_plain_image(scene, (float[]){0, 0, 0, 0}),
                 texture_scales(GROUP_METAL, (int[]){0, 1, 2, 3}));
-    add_texture(scene, add_plain_image(scene, (float[]){0, 0, 0, 0}, false),
+    add_texture(scene, add_plain_image(scene, (float[]){0, 0, 0, 0}),
                 TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT);
     add_square(scene, material);
     OPEN_SETUP(&setup, TEXTURE_SLOTS);

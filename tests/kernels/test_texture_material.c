@@ -32,9 +32,9 @@ static struct scene *begin(struct setup *setup, const struct material *material)
     return &setup->scene;
 }
 
-static void use_plain(struct scene *scene, uint32_t flags, const float color[4], bool is_float)
+static void use_plain(struct scene *scene, uint32_t flags, const float color[4])
 {
-    add_texture(scene, add_plain_image(scene, color, is_float), flags);
+    add_texture(scene, add_plain_image(scene, color), flags);
 }
 
 static bool apply_one(struct setup *setup, uint32_t material)
@@ -53,7 +53,7 @@ static void check_group(const float got[4], double a, double b, double c, double
           (double)got[0], (double)got[1], (double)got[2], (double)got[3], a, b, c, d);
 }
 
-// Halves represent the values exactly. Vertex colours scale the base colour first.
+// Vertex colours scale the base colour first.
 TEST(textures_scale_groups)
 {
     struct setup setup;
@@ -67,14 +67,13 @@ TEST(textures_scale_groups)
     for (int c = 0; c < 3; c++)
         m.base_color[c] = m.emission[c] = 1;
     struct scene *scene = begin(&setup, &m);
-    use_plain(scene, texture_scales(GROUP_BASE, (int[]){0, 1, 2, 3}), a, false);
-    use_plain(scene, texture_scales(GROUP_BASE, (int[]){3, 3, -1, -1}), b, false);
+    use_plain(scene, texture_scales(GROUP_BASE, (int[]){0, 1, 2, 3}), a);
+    use_plain(scene, texture_scales(GROUP_BASE, (int[]){3, 3, -1, -1}), b);
     // glTF: green is roughness, blue metallic. Gloss in alpha is 1 - roughness.
-    use_plain(scene, texture_scales(GROUP_METAL, (int[]){-1, 1, 2, -1}), a, true);
+    use_plain(scene, texture_scales(GROUP_METAL, (int[]){-1, 1, 2, -1}), a);
     use_plain(scene,
-              texture_scales(GROUP_METAL, (int[]){-1, 3, -1, -1}) | 2u << TEXTURE_INVERT_SHIFT, b,
-              false);
-    use_plain(scene, texture_scales(GROUP_EMISSION, (int[]){2, 2, 0, -1}), b, false);
+              texture_scales(GROUP_METAL, (int[]){-1, 3, -1, -1}) | 2u << TEXTURE_INVERT_SHIFT, b);
+    use_plain(scene, texture_scales(GROUP_EMISSION, (int[]){2, 2, 0, -1}), b);
     OPEN_SETUP(&setup, TEXTURE_SLOTS);
     REQUIRE(apply_one(&setup, 1));
     check_group(items[0].f[0], 0.5 * 0.5 * 0.25, 0.25 * 0.25 * 0.25, 0.125 * 0.125, 0.75 * 0.75);
@@ -94,8 +93,8 @@ TEST(only_emission_is_scaled_up)
         m.emission[c] = 2;
     struct scene *scene = begin(&setup, &m);
     scene->meshes[0].colors = NULL;
-    use_plain(scene, texture_scales(GROUP_BASE, (int[]){0, 1, 2, 3}), bright, true);
-    use_plain(scene, texture_scales(GROUP_EMISSION, (int[]){0, 1, 2, -1}), bright, true);
+    use_plain(scene, texture_scales(GROUP_BASE, (int[]){0, 1, 2, 3}), bright);
+    use_plain(scene, texture_scales(GROUP_EMISSION, (int[]){0, 1, 2, -1}), bright);
     OPEN_SETUP(&setup, TEXTURE_SLOTS);
     REQUIRE(apply_one(&setup, 1));
     check_group(items[0].f[0], 0.5, 0.25, 0.5, 1);
@@ -134,7 +133,7 @@ TEST(anisotropy)
         m.model = MATERIAL_PRINCIPLED;
         m.anisotropic = 0.5f;
         m.anisotropic_rotation = 0.0625f;
-        use_plain(begin(&setup, &m), TEXTURE_USE_ANISOTROPY << TEXTURE_USE_SHIFT, color, false);
+        use_plain(begin(&setup, &m), TEXTURE_USE_ANISOTROPY << TEXTURE_USE_SHIFT, color);
         OPEN_SETUP(&setup, TEXTURE_SLOTS);
         REQUIRE(apply_one(&setup, 1));
         double turn = (double)items[0].f[1][3] - 0.0625 - turns[i];
@@ -174,7 +173,7 @@ TEST(normal_maps)
         struct material m;
         material_init(&m);
         m.normal_scale = scales[i];
-        use_plain(begin(&setup, &m), TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, colors[i], i % 2);
+        use_plain(begin(&setup, &m), TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, colors[i]);
         OPEN_SETUP(&setup, TEXTURE_SLOTS);
         const double local[3] = {(double)scales[i] * (2 * (double)colors[i][0] - 1),
                                  (double)scales[i] * (2 * (double)colors[i][1] - 1),
@@ -212,10 +211,10 @@ TEST(normal_maps_without_a_frame)
     material_init(&m);
     m.normal_scale = 0;
     struct scene *scene = begin(&setup, &m);
-    use_plain(scene, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, (float[]){1, 0, 0.5f, 1}, false);
+    use_plain(scene, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, (float[]){1, 0, 0.5f, 1});
     m.normal_scale = 1;
     uint32_t second = add_material(scene, &m);
-    use_plain(scene, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, (float[]){1, 0.5f, 1, 1}, false);
+    use_plain(scene, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, (float[]){1, 0.5f, 1, 1});
     add_square(scene, second);
     OPEN_SETUP(&setup, TEXTURE_SLOTS);
     memset(items, 0, 2 * sizeof *items);

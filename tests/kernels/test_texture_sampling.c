@@ -156,7 +156,7 @@ static void check_item(const struct scene *scene, const union texture_item *in,
 
 // --- tests ---------------------------------------------------------------------------------------
 
-// Tests every wrap mode, filter, transform and UV set, with images of `formats`: 1 halves, 2
+// Tests every wrap mode, filter, transform and UV set, with images of `formats`: 1 codes, 2
 // floats, 3 both in alternation.
 static void check_formats(int formats)
 {
@@ -185,7 +185,7 @@ static void check_formats(int formats)
     add_square(&setup.scene, 1);
     OPEN_SETUP(&setup, TEXTURE_SLOTS);
     uint32_t has = setup.r.specialization.features;
-    CHECK(!(has & FEATURE_TEXELS_HALF) == !(formats & 1) &&
+    CHECK(!(has & FEATURE_TEXELS_CODES) == !(formats & 1) &&
           !(has & FEATURE_TEXELS_FLOAT) == !(formats & 2));
 
     uint32_t count = number * ITEMS_A_TEXTURE;
@@ -207,7 +207,7 @@ static void check_formats(int formats)
     setup_close(&setup);
 }
 
-TEST(halves)
+TEST(codes)
 {
     check_formats(1);
 }
@@ -276,7 +276,7 @@ TEST(long_rows_and_bright_texels)
     uint32_t lengths[4] = {16384, 16384, 65535, 1};
     uint32_t images[4] = {
         add_image(&setup.scene, 16384, 1, false, 1), add_image(&setup.scene, 1, 16384, true, 2),
-        add_image(&setup.scene, 65535, 1, false, 3), add_plain_image(&setup.scene, bright, true)};
+        add_image(&setup.scene, 65535, 1, false, 3), add_plain_image(&setup.scene, bright)};
     for (int i = 0; i < 4; i++)
         add_texture(&setup.scene, images[i], TEXTURE_NEAREST);
     add_square(&setup.scene, 1);
@@ -301,5 +301,5 @@ TEST(long_rows_and_bright_texels)
     setup_close(&setup);
 }
 
-TEST_MAIN(TEST_CASE(halves), TEST_CASE(floats), TEST_CASE(both),
+TEST_MAIN(TEST_CASE(codes), TEST_CASE(floats), TEST_CASE(both),
           TEST_CASE(coordinates_without_bounds), TEST_CASE(long_rows_and_bright_texels))

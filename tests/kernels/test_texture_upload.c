@@ -23,13 +23,13 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
     struct material m;
     material_init(&m);
     uint32_t used = add_material(scene, &m);
-    uint32_t halves = add_image(scene, 5, 3, false, 1); // 15 texels: 120 bytes, padded to words 128
+    uint32_t codes = add_image(scene, 5, 3, false, 1); // 15 texels: 60 bytes, padded to words 64
     uint32_t equal = add_image(scene, 5, 3, false, 1);
     uint32_t floats = add_image(scene, 4, 4, true, 2); // 256 bytes
-    uint32_t other = add_image(scene, 5, 3, false, 3); // 128 bytes
+    uint32_t other = add_image(scene, 5, 3, false, 3); // 64 bytes
     add_image(scene, 64, 64, true, 4);                 // no texture uses it
     uint32_t unused = add_image(scene, 32, 32, true, 5);
-    add_texture(scene, halves, SCALES_BASE);
+    add_texture(scene, codes, SCALES_BASE);
     add_texture(scene, equal, SCALES_BASE | TEXTURE_UV1);
     add_texture(scene, floats, SCALES_BASE | TEXTURE_NEAREST);
     add_texture(scene, floats, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT);
@@ -39,13 +39,13 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
     add_square(scene, used);
     open_setup(&setup);
     REQUIRE(setup.r.gpu);
-    CHECK(texel_bytes(&setup) == 128 + 256 + 128, "%llu", (unsigned long long)texel_bytes(&setup));
+    CHECK(texel_bytes(&setup) == 64 + 256 + 64, "%llu", (unsigned long long)texel_bytes(&setup));
     CHECK(setup.r.tables.textures.image_count == 3 &&
-              setup.r.tables.textures.saved_bytes == 128 + 65536 + 16384,
+              setup.r.tables.textures.saved_bytes == 64 + 65536 + 16384,
           "%llu", (unsigned long long)setup.r.tables.textures.saved_bytes);
 
     // Each texture's record must refer to the texels of its image.
-    static uint8_t bytes[512];
+    static uint8_t bytes[384];
     struct err err = {0};
     REQUIRE(
         gpu_download(setup.r.gpu, &setup.r.buffers[BINDING_TEXELS], 0, bytes, sizeof bytes, &err),
@@ -53,11 +53,11 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
     for (uint32_t t = 0; t < 5; t++) {
         const struct texture_image *image = &scene->images[scene->textures[t].image];
         const struct gpu_texture *record = &setup.r.tables.textures.records[t];
-        size_t size = (size_t)image->width * image->height * (image->is_float ? 16 : 8);
-        CHECK(memcmp(bytes + (size_t)record->texels * 16, image->texels, size) == 0, "texture %u",
-              t);
+        CHECK(memcmp(bytes + (size_t)record->texels * 16, image->texels,
+                     (size_t)texture_image_bytes(image)) == 0,
+              "texture %u", t);
         CHECK(record->size == (image->width | image->height << 16) &&
-                  !(record->flags & TEXTURE_FLOAT) == !image->is_float,
+                  !(record->flags & TEXTURE_FLOAT) == (image->values != NULL),
               "texture %u", t);
     }
     CHECK(setup.r.tables.textures.records[0].texels == setup.r.tables.textures.records[1].texels);
@@ -92,7 +92,7 @@ TEST(only_attributes_that_are_read)
         CHECK(setup.r.plan.buffers[BINDING_ATTRIBUTES].bytes == 2 * 16 * words, "mask %u: %llu",
               mask, (unsigned long long)setup.r.plan.buffers[BINDING_ATTRIBUTES].bytes);
         CHECK(attribute_words(features) == words);
-        CHECK(texel_bytes(&setup) == (uv0 || uv1 ? 32 : 0) &&
+        CHECK(texel_bytes(&setup) == (uv0 || uv1 ? 16 : 0) &&
               !(features & FEATURE_TEXTURES) == !(uv0 || uv1));
         setup_close(&setup);
     }
@@ -110,7 +110,7 @@ TEST(shapes_need_no_attributes)
     add_sphere(&setup.scene, (double[]){0, 0, 0}, 1, material);
     open_setup(&setup);
     REQUIRE(setup.r.gpu);
-    CHECK(texel_bytes(&setup) == 32 && setup.r.plan.buffers[BINDING_ATTRIBUTES].bytes == 0);
+    CHECK(texel_bytes(&setup) == 16 && setup.r.plan.buffers[BINDING_ATTRIBUTES].bytes == 0);
     setup_close(&setup);
 }
 

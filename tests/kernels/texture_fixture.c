@@ -63,27 +63,43 @@ static void *present(void *memory)
     return memory;
 }
 
-static uint32_t add_texels(struct scene *scene, uint32_t width, uint32_t height, bool is_float,
-                           const float *values)
+static uint32_t add_texels(struct scene *scene, const struct texture_image *image)
 {
     uint32_t index;
-    size_t count = (size_t)width * height * 4;
-    float *floats = present(arena_alloc(&scene->arena, count, sizeof *floats));
-    uint16_t *halves = present(arena_alloc(&scene->arena, count, sizeof *halves));
-    struct texture_image *image = present(scene_add_image(scene, &index));
-    for (size_t i = 0; i < count; i++) {
-        floats[i] = values[i];
-        halves[i] = half_from_float(values[i]);
-    }
-    *image = (struct texture_image){
-        .name = "image",
-        .width = width,
-        .height = height,
-        .is_float = is_float,
-        .texels = is_float ? (void *)floats : (void *)halves,
-        .hash = index + 1,
-    };
+    struct texture_image *added = present(scene_add_image(scene, &index));
+    *added = *image;
+    added->name = "image";
+    added->green[1] = 1;
+    added->hash = added->hash ? added->hash : index + 1;
     return index;
+}
+
+uint32_t add_codes(struct scene *scene, uint32_t width, uint32_t height, const uint8_t (*codes)[4],
+                   bool is_srgb, uint32_t seed)
+{
+    size_t bytes = (size_t)width * height * sizeof *codes;
+    struct texture_image image = {
+        .width = width, .height = height, .is_srgb = is_srgb, .hash = seed};
+    void *texels = present(arena_alloc(&scene->arena, bytes, 1));
+    float(*values)[4];
+    struct err err = {0};
+    memcpy(texels, codes, bytes);
+    image.texels = texels;
+    if (!image_code_values(is_srgb, &scene->arena, &values, &err))
+        present(NULL);
+    image.values = (const float(*)[4])values;
+    return add_texels(scene, &image);
+}
+
+static uint32_t add_floats(struct scene *scene, uint32_t width, uint32_t height,
+                           const float *values, uint32_t seed)
+{
+    size_t bytes = (size_t)width * height * 4 * sizeof *values;
+    struct texture_image image = {.width = width, .height = height, .hash = seed};
+    void *texels = present(arena_alloc(&scene->arena, bytes, 1));
+    memcpy(texels, values, bytes);
+    image.texels = texels;
+    return add_texels(scene, &image);
 }
 
 uint32_t add_image(struct scene *scene, uint32_t width, uint32_t height, bool is_float,
@@ -92,24 +108,29 @@ uint32_t add_image(struct scene *scene, uint32_t width, uint32_t height, bool is
     struct random random = {seed};
     size_t count = (size_t)width * height * 4;
     float *values = present(calloc(count, sizeof *values));
-    for (size_t i = 0; i < count; i++)
+    uint8_t(*codes)[4] = present(calloc(count, 1));
+    for (size_t i = 0; i < count; i++) {
         values[i] = (float)random_unit(&random);
-    uint32_t index = add_texels(scene, width, height, is_float, values);
-    scene->images[index].hash = seed;
+        codes[i / 4][i % 4] = (uint8_t)(256 * values[i]);
+    }
+    uint32_t index =
+        is_float ? add_floats(scene, width, height, values, seed)
+                 : add_codes(scene, width, height, (const uint8_t(*)[4])codes, seed % 2, seed);
     free(values);
+    free(codes);
     return index;
 }
 
-uint32_t add_plain_image(struct scene *scene, const float color[4], bool is_float)
+uint32_t add_plain_image(struct scene *scene, const float color[4])
 {
-    return add_texels(scene, 1, 1, is_float, color);
+    return add_floats(scene, 1, 1, color, 0);
 }
 
 double image_texel(const struct texture_image *image, uint32_t x, uint32_t y, int c)
 {
-    size_t i = ((size_t)y * image->width + x) * 4 + (size_t)c;
-    return image->is_float ? (double)((const float *)image->texels)[i]
-                           : (double)float_from_half(((const uint16_t *)image->texels)[i]);
+    float texel[4];
+    texture_texel(image, (uint64_t)y * image->width + x, texel);
+    return (double)texel[c];
 }
 
 struct texture *add_texture(struct scene *scene, uint32_t image, uint32_t flags)

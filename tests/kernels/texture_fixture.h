@@ -19,12 +19,15 @@ union texture_item {
 // device failed. LOBE_ANISOTROPIC is compiled in, so that there are tangents.
 bool texture_run(struct setup *setup, uint32_t routine, union texture_item *items, uint32_t count);
 
-// Adds an image of texels in [0, 1) that look random: floats, or halves rounded from the same
-// floats. Equal seeds make equal images.
+// Adds an image of 8-bit codes. Images with equal seeds count as equal; 0: equal to none.
+uint32_t add_codes(struct scene *scene, uint32_t width, uint32_t height, const uint8_t (*codes)[4],
+                   bool is_srgb, uint32_t seed);
+// Adds an image of texels in [0, 1] that look random: floats, or codes, which are sRGB-encoded if
+// the seed is odd. Equal seeds make equal images.
 uint32_t add_image(struct scene *scene, uint32_t width, uint32_t height, bool is_float,
                    uint32_t seed);
-// Adds an image with one texel of this colour.
-uint32_t add_plain_image(struct scene *scene, const float color[4], bool is_float);
+// Adds an image of floats with one texel of this colour.
+uint32_t add_plain_image(struct scene *scene, const float color[4]);
 // Returns component c of a texel, as the device should read it.
 double image_texel(const struct texture_image *image, uint32_t x, uint32_t y, int c);
 

@@ -77,7 +77,7 @@ static void paint_wall(struct scene *scene, struct material *wall)
     static const float grey[4] = {0.5f, 0.5f, 0.5f, 1};
     struct texture_image *image = scene_add_image(scene, NULL);
     struct texture *texture = scene_add_texture(scene, &wall->first_texture);
-    *image = (struct texture_image){.name = "grey", .width = 1, .height = 1, .is_float = true};
+    *image = (struct texture_image){.name = "grey", .width = 1, .height = 1};
     image->texels = (const void *)grey;
     memcpy(image->mean, grey, sizeof grey);
     const uint32_t base = TEXTURE_USE_SCALE << TEXTURE_USE_SHIFT |
@@ -425,8 +425,8 @@ TEST(memory)
         uint64_t digits = 16 * ((cases[i].sums + 3) / 4);
         CHECK(plan[BINDING_RADIANCE].bytes == 1024 * (16 + sums + ids), "0x%x: %llu bytes of slots",
               cases[i].aovs, (unsigned long long)plan[BINDING_RADIANCE].bytes);
-        CHECK(plan[BINDING_FILM].bytes == PIXELS * (112 + 4 * sums + digits + ids), "0x%x: %llu of film",
-              cases[i].aovs, (unsigned long long)plan[BINDING_FILM].bytes);
+        CHECK(plan[BINDING_FILM].bytes == PIXELS * (112 + 4 * sums + digits + ids),
+              "0x%x: %llu of film", cases[i].aovs, (unsigned long long)plan[BINDING_FILM].bytes);
         CHECK(plan[BINDING_RESOLVED].bytes == PIXELS * (32 + sums + ids), "0x%x: %llu to read",
               cases[i].aovs, (unsigned long long)plan[BINDING_RESOLVED].bytes);
         renderer_finish(&r);

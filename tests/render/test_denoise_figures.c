@@ -25,8 +25,7 @@ static void paint_tiles(struct scene *scene)
     uint32_t first;
     struct texture_image *image = scene_add_image(scene, NULL);
     struct texture *texture = scene_add_texture(scene, &first);
-    *image =
-        (struct texture_image){.name = "tiles", .width = SIZE, .height = SIZE, .is_float = true};
+    *image = (struct texture_image){.name = "tiles", .width = SIZE, .height = SIZE};
     for (int i = 0; i < SIZE * SIZE; i++) {
         int x = i % SIZE, y = i / SIZE;
         const float *color = colors[x % 8 == 0 || y % 8 == 0 ? 2 : (x / 8 + y / 8) % 2];

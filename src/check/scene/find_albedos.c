@@ -180,7 +180,6 @@ static bool add_even_image(struct scene *scene, const struct texture_image *from
         .name = from->name,
         .width = 1,
         .height = 1,
-        .is_float = true,
         .texels = texel,
         .hash = hash_bytes(HASH_INIT, texel, sizeof *texel),
     };

@@ -72,7 +72,7 @@ static void print_materials(const struct scene *scene)
     for (uint32_t i = 0; i < scene->image_count; i++) {
         const struct texture_image *image = &scene->images[i];
         printf("  %5u x %-5u %s%s ", image->width, image->height,
-               image->is_float ? "floats" : "halves", image->has_alpha ? ", alpha" : "");
+               image->values ? "8-bit codes" : "floats", image->has_alpha ? ", alpha" : "");
         print_line(" ", image->name);
     }
 }

@@ -2,16 +2,15 @@
 
 #include <string.h>
 
-static uint64_t image_bytes(const struct texture_image *image)
+static uint64_t padded_bytes(const struct texture_image *image)
 {
-    uint64_t bytes = (uint64_t)image->width * image->height * (image->is_float ? 16u : 8u);
-    return (bytes + 15u) / 16u * 16u;
+    return (texture_image_bytes(image) + 15u) / 16u * 16u;
 }
 
 static bool is_same(const struct texture_image *a, const struct texture_image *b)
 {
     return a->hash == b->hash && a->width == b->width && a->height == b->height &&
-           a->is_float == b->is_float;
+           !a->values == !b->values;
 }
 
 // Returns the offset of an image. Adds the image unless the set already has it, or one with equal
@@ -24,8 +23,15 @@ static uint64_t place_image(const struct scene *scene, struct texture_set *set, 
             return set->offsets[i];
     set->images[set->image_count] = index;
     set->offsets[set->image_count] = set->texel_bytes / 16u;
-    set->texel_bytes += image_bytes(&scene->images[index]);
+    set->texel_bytes += padded_bytes(&scene->images[index]);
     return set->offsets[set->image_count++];
+}
+
+static uint32_t decoding_flags(const struct texture_image *image)
+{
+    if (!image->values)
+        return TEXTURE_FLOAT;
+    return (image->is_srgb ? TEXTURE_SRGB : 0u) | (image->green[1] != 1.0f ? TEXTURE_GREEN : 0u);
 }
 
 bool texture_set_build(const struct scene *scene, const struct flat_scene *flat,
@@ -40,7 +46,7 @@ bool texture_set_build(const struct scene *scene, const struct flat_scene *flat,
         return err_memory(err, "textures", scene->texture_count * sizeof *out->records);
     uint64_t all_bytes = 0;
     for (uint32_t i = 0; i < scene->image_count; i++)
-        all_bytes += image_bytes(&scene->images[i]);
+        all_bytes += padded_bytes(&scene->images[i]);
     for (uint32_t m = 0; m < scene->material_count; m++) {
         const struct material *material = &scene->materials[m];
         for (uint32_t i = 0; flat->material_used[m] && i < material->texture_count; i++) {
@@ -55,10 +61,12 @@ bool texture_set_build(const struct scene *scene, const struct flat_scene *flat,
                     scene->path ? scene->path : "scene");
             record->texels = (uint32_t)offset;
             record->size = image->width | image->height << 16;
-            record->flags = texture->flags | (image->is_float ? TEXTURE_FLOAT : 0u);
-            for (int row = 0; row < 2; row++)
+            record->flags = texture->flags | decoding_flags(image);
+            for (int row = 0; row < 2; row++) {
                 memcpy(record->transform[row], texture->transform[row],
                        sizeof texture->transform[row]);
+                record->transform[row][3] = image->green[row];
+            }
         }
     }
     out->saved_bytes = all_bytes - out->texel_bytes;
@@ -70,8 +78,8 @@ bool texture_set_upload(struct gpu *gpu, const struct scene *scene, const struct
 {
     for (uint32_t i = 0; i < set->image_count; i++) {
         const struct texture_image *image = &scene->images[set->images[i]];
-        uint64_t bytes = (uint64_t)image->width * image->height * (image->is_float ? 16u : 8u);
-        if (!gpu_upload(gpu, buffer, set->offsets[i] * 16u, image->texels, bytes, err))
+        if (!gpu_upload(gpu, buffer, set->offsets[i] * 16u, image->texels,
+                        texture_image_bytes(image), err))
             return false;
     }
     return true;

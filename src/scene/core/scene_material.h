@@ -92,24 +92,34 @@ bool material_has_inside(const struct material *material);
 // shadow rays are sent to them.
 bool material_emits(const struct material *material);
 
-// Texels in memory, decoded to linear RGBA: four halves or four floats.
+// Texels in memory: RGBA as four 8-bit codes or as four linear floats.
 struct texture_image {
     const char *name;       // for messages
     uint32_t width, height; // at most 65535
-    bool is_float;          // 16 bytes per texel, else 8
     bool has_alpha;         // some texel has an alpha below 1
     bool is_missing;        // the file is missing, and one pink texel replaces it
     const void *texels;     // row 0 at the top
-    float mean[4];          // mean of all texels
-    float greatest;         // greatest component of all texels
-    uint64_t zeroed;        // number of texels that were negative or not finite, and became 0
-    uint64_t hash;          // hash of the file and of the decoding parameters
+    // The linear value of each of the 256 codes in each channel; NULL: the texels are floats.
+    const float (*values)[4];
+    // How codes become values: whether colours are sRGB-encoded, and that the value of green, once
+    // decoded, is green[0] + green[1] * green.
+    bool is_srgb;
+    float green[2];
+    float mean[4];   // mean of all texels
+    float greatest;  // greatest component of all texels
+    uint64_t zeroed; // number of texels that were negative or not finite, and became 0
+    uint64_t hash;   // hash of the file and of the decoding parameters
 };
+
+static inline uint64_t texture_image_bytes(const struct texture_image *image)
+{
+    return (uint64_t)image->width * image->height * (image->values ? 4u : 16u);
+}
 
 // One use of an image by a material: the texture transform, and what the texels scale.
 struct texture {
     uint32_t image;
-    uint32_t flags;        // TEXTURE_* except TEXTURE_FLOAT
+    uint32_t flags;        // TEXTURE_* except those that the image determines
     float transform[2][3]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); t points down
 };
 

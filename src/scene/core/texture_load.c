@@ -11,6 +11,12 @@
 
 // --- texels --------------------------------------------------------------------------------------
 
+static void decode_codes(const uint8_t codes[4], const float values[256][4], float out[4])
+{
+    for (int c = 0; c < 4; c++)
+        out[c] = values[codes[c]][c];
+}
+
 // Statistics of the texels of an image.
 struct judgement {
     double sum[4];
@@ -37,8 +43,8 @@ static void judge_texel(const float texel[4], struct judgement *judgement)
     judgement->has_alpha |= texel[3] < 1;
 }
 
-// Checks texels and computes their statistics. Halves are decoded from integer codes, so they are
-// in [0, 1]. Invalid floats become 0, with alpha 1.
+// Checks texels and computes their statistics. The values of codes are in [0, 1]. Invalid floats
+// become 0, with alpha 1.
 static void judge_texels(const struct image_texels *texels, const struct progress *progress,
                          struct judgement *out)
 {
@@ -46,7 +52,9 @@ static void judge_texels(const struct image_texels *texels, const struct progres
     *out = (struct judgement){0};
     for (size_t i = 0; i < count && !progress_stops_at(progress, i); i++) {
         float texel[4];
-        if (texels->is_float) {
+        if (texels->values) {
+            decode_codes((const uint8_t *)texels->texels + 4 * i, texels->values, texel);
+        } else {
             float *given = (float *)texels->texels + 4 * i;
             if (!is_usable(given)) {
                 given[0] = given[1] = given[2] = 0;
@@ -55,9 +63,6 @@ static void judge_texels(const struct image_texels *texels, const struct progres
             }
             for (int c = 0; c < 4; c++)
                 texel[c] = given[c];
-        } else {
-            for (int c = 0; c < 4; c++)
-                texel[c] = float_from_half(((const uint16_t *)texels->texels)[4 * i + (size_t)c]);
         }
         judge_texel(texel, out);
     }
@@ -98,11 +103,13 @@ static bool add_image(struct scene *scene, const struct texture_file *file,
         .name = name,
         .width = texels->width,
         .height = texels->height,
-        .is_float = texels->is_float,
         .has_alpha = judgement.has_alpha,
         .greatest = judgement.greatest,
         .zeroed = judgement.zeroed,
         .texels = texels->texels,
+        .values = (const float(*)[4])texels->values,
+        .is_srgb = texels->is_srgb,
+        .green = {0, 1},
         .hash = file->hash,
     };
     for (int c = 0; c < 4; c++)
@@ -183,7 +190,6 @@ bool texture_image_missing(struct scene *scene, const struct err *reason, uint32
         .name = name,
         .width = 1,
         .height = 1,
-        .is_float = true,
         .is_missing = true,
         .texels = texel,
         .mean = {missing_color[0], missing_color[1], missing_color[2], 1},
@@ -247,9 +253,10 @@ bool material_add_texture(struct scene *scene, struct material *material,
 
 void texture_texel(const struct texture_image *image, uint64_t index, float out[4])
 {
-    for (size_t i = 4 * index, c = 0; c < 4; c++)
-        out[c] = image->is_float ? ((const float *)image->texels)[i + c]
-                                 : float_from_half(((const uint16_t *)image->texels)[i + c]);
+    if (image->values)
+        decode_codes((const uint8_t *)image->texels + 4 * index, image->values, out);
+    else
+        memcpy(out, (const float *)image->texels + 4 * index, 4 * sizeof *out);
 }
 
 uint32_t texture_scales(uint32_t group, const int channel[4])

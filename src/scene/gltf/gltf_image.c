@@ -87,20 +87,19 @@ struct image_job {
 };
 
 // Replaces green by mix(ends[0], ends[1], green), so that a parameter with a minimum and a maximum
-// needs only one factor on the texel. The replacement commutes with linear interpolation between
-// texels.
+// needs only one factor on the texel: in the values of codes, or in the texels. Both belong to the
+// job. The replacement commutes with linear interpolation between texels.
 static void map_green(struct texture_image *image, const float ends[2])
 {
-    size_t count = (size_t)image->width * image->height;
-    void *texels = (void *)image->texels; // owned by the job
-    float *floats = texels;
-    uint16_t *halves = texels;
+    float *values = (void *)image->values, *floats = (void *)image->texels;
     const float step = ends[1] - ends[0];
-    for (size_t i = 1; i < 4 * count; i += 4)
-        if (image->is_float)
-            floats[i] = ends[0] + step * floats[i];
-        else
-            halves[i] = half_from_float(ends[0] + step * float_from_half(halves[i]));
+    size_t count = (size_t)image->width * image->height;
+    for (size_t i = 1; i < 4 * 256 && values; i += 4)
+        values[i] = float_from_half(half_from_float(ends[0] + step * values[i]));
+    for (size_t i = 1; i < 4 * count && !values; i += 4)
+        floats[i] = ends[0] + step * floats[i];
+    image->green[0] = ends[0];
+    image->green[1] = step;
     image->mean[1] = ends[0] + step * image->mean[1];
     image->hash = hash_bytes(image->hash, ends, 2 * sizeof *ends);
 }
@@ -174,15 +173,19 @@ static bool adopt_image(struct gltf_load *load, struct image_job *job, struct er
     scene->hash = hash_bytes(scene->hash, &job->scene.hash, sizeof job->scene.hash);
     if (find_image(scene, image->hash, &job->image->index))
         return true;
-    size_t count = (size_t)image->width * image->height, size = image->is_float ? 16 : 8;
-    void *texels = arena_alloc(&scene->arena, count, size);
+    size_t bytes = (size_t)texture_image_bytes(image), values_bytes = 256 * sizeof *image->values;
+    void *texels = arena_alloc(&scene->arena, bytes, 1);
+    void *values = image->values ? arena_alloc(&scene->arena, values_bytes, 1) : NULL;
     const char *name = arena_strdup(&scene->arena, image->name);
     struct texture_image *added = scene_add_image(scene, &job->image->index);
-    if (!texels || !name || !added)
-        return gltf_no_memory(&load->document, "an image", count * size, err);
-    memcpy(texels, image->texels, count * size);
+    if (!texels || (image->values && !values) || !name || !added)
+        return gltf_no_memory(&load->document, "an image", bytes + values_bytes, err);
+    memcpy(texels, image->texels, bytes);
+    if (values)
+        memcpy(values, image->values, values_bytes);
     *added = *image;
     added->texels = texels;
+    added->values = values;
     added->name = name;
     return true;
 }

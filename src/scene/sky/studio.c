@@ -234,7 +234,6 @@ static bool add_ground_image(struct scene *scene, uint32_t *index, struct err *e
         .name = "ground",
         .width = GROUND_TEXELS,
         .height = GROUND_TEXELS,
-        .is_float = true,
         .texels = texels,
         .mean = {mean, mean, mean, 1},
         .greatest = 1,
