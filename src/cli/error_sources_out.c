@@ -82,7 +82,7 @@ void error_sources_print(const struct error_sources *sources, const char *comman
     if (sources->brightest_count > 0)
         printf("brightest contributions%s:\n", command
                                                    ? ", and the commands that follow their paths"
-                                                   : "; --pixel cannot follow paths that split");
+                                                   : "; --pixel follows neither paths that split nor those of a sequence");
     for (uint32_t i = 0; i < sources->brightest_count; i++)
         print_path(&sources->brightest[i], command);
 }

@@ -401,13 +401,15 @@ char *options_quote(const char *word, char *out)
     return put(out, "'");
 }
 
-// Options that belong to a single run: they end it, or report something in addition to the image.
-// They are omitted from commands for other runs. A command that follows a path keeps only the first
-// of them (--error), and a command that repeats the image keeps only the last (--crop).
-static const enum option_id passing[] = {
-    OPTION_ERROR,     OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY, OPTION_RESUME,   OPTION_TRACE,
-    OPTION_REFERENCE, OPTION_TEV,        OPTION_EXPLAIN,          OPTION_ERROR_BY, OPTION_CROP};
-enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
+// Options that belong to a single run: they end it, or report something in addition to the image. A
+// command that follows one of its paths keeps only the first of them (--error). A command that
+// repeats the image keeps only --crop and those that follow it.
+static const enum option_id passing[] = {OPTION_ERROR,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
+                                         OPTION_RESUME, OPTION_TRACE,      OPTION_REFERENCE,
+                                         OPTION_TEV,    OPTION_EXPLAIN,    OPTION_ERROR_BY,
+                                         OPTION_CROP,   OPTION_SHARD,      OPTION_SHARD_BY,
+                                         OPTION_OUTPUT};
+enum { PASSING_COUNT = sizeof passing / sizeof passing[0], UNREPEATED_COUNT = 9 };
 // Options that belong to one shard of a picture.
 static const enum option_id of_shards[] = {
     OPTION_OUTPUT, OPTION_SHARD, OPTION_SHARD_BY,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
@@ -473,7 +475,7 @@ static bool keep_command_line(struct options *options, int argc, char **argv, st
         size += 4 * strlen(argv[i]) + 4;
     options->command_line = make_line(arena, size, argc, argv, (struct option_list){0});
     render->repeatable_line =
-        make_line(arena, size, argc, argv, (struct option_list){passing, PASSING_COUNT - 1});
+        make_line(arena, size, argc, argv, (struct option_list){passing, UNREPEATED_COUNT});
     render->following_line =
         make_line(arena, size, argc, argv, (struct option_list){passing + 1, PASSING_COUNT - 1});
     render->shared_line =

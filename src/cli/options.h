@@ -259,7 +259,8 @@ struct render_options {
     // The command line without options that belong to a single run, such as --error and
     // --checkpoint.
     const char *repeatable_line;
-    // The command line to which --pixel and --sample are added to follow a path.
+    // The command line to which --pixel and --sample are added to follow a path; NULL for a
+    // sequence of pictures, of which --pixel cannot select one.
     const char *following_line;
     // The command line without options of a single shard. With --shard added it renders other
     // samples of the same picture; with -o added it renders the picture.

@@ -35,9 +35,9 @@ class Base(unittest.TestCase):
         self.assertEqual(result.returncode, code, result.stderr)
         return result
 
-    def render(self, scene, *arguments, size='16x16'):
-        result = self.run_program(scene, '--size', size, '-q', '--json', '-o', self.path('out.exr'),
-                                  *arguments)
+    def render(self, scene, *arguments, size='16x16', outputs=True):
+        result = self.run_program(scene, '--size', size, '-q', '--json',
+                                  *(['-o', self.path('out.exr')] if outputs else []), *arguments)
         return json.loads(result.stdout)
 
 
@@ -57,8 +57,8 @@ class Following(Base):
                     brought.append((light['radiance'], vertex['bounce'] + 1, 'shadow ray'))
         return max(brought, key=lambda b: 0.2126 * b[0][0] + 0.7152 * b[0][1] + 0.0722 * b[0][2])
 
-    def check(self, scene, *arguments):
-        sources = self.render(scene, *arguments)['error_by']
+    def check(self, scene, *arguments, **options):
+        sources = self.render(scene, *arguments, **options)['error_by']
         brightest = sources['brightest']
         self.assertEqual(len(brightest), 10)
         self.assertEqual(len({tuple(b['pixel']) for b in brightest}), 10)
@@ -85,6 +85,20 @@ class Following(Base):
     def test_commands_of_adaptive_renders(self):
         self.check(LIGHTS, '--spp', '24', '--error-by', 'emitter', '--adaptive', 'on',
                    '--light-choice', 'power', '--wave', '512')
+
+    def test_commands_of_shards(self):
+        self.check(LIGHTS, '--spp', '8', '--error-by', 'emitter', '--shard', '2/2', '--checkpoint',
+                   self.path('part'), outputs=False)
+        self.check(LIGHTS, '--spp', '8', '--error-by', 'emitter', '--shard=1/2', '--shard-by', 'tiles',
+                   '--checkpoint', self.path('tiles'), size='16x48', outputs=False)
+
+    def test_no_commands_for_sequences(self):
+        # No option selects a view of a turntable.
+        result = self.run_program(LIGHTS, '--size', '16x16', '--spp', '4', '--error-by', 'part', '--turntable', '2',
+                                  '-q', '--json', '-o', self.path('view.exr'))
+        told = [json.loads(line) for line in result.stdout.splitlines()]
+        brightest = [b for one in told if 'error_by' in one for b in one['error_by']['brightest']]
+        self.assertEqual({b['command'] for b in brightest}, {None})
 
     def test_no_commands_for_split_paths(self):
         phong = os.path.join(ROOT, 'scenes', 'phong_lobes.json')

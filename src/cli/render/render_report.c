@@ -33,7 +33,7 @@ const char *render_following_command(const struct render_run *run)
 const char *render_reproducing_command(struct render_run *run)
 {
     const struct nonfinite_stats *stats = &run->job.renderer.stats.nonfinite;
-    if (!stats->recorded)
+    if (!stats->recorded || !run->options->render.following_line)
         return NULL;
     // Pixels are numbered in the whole picture, of which the film may be a window.
     const uint32_t width = run->window.width > 0 ? run->scene.settings.width : run->job.film.width;

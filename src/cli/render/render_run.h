@@ -120,7 +120,7 @@ bool render_print_json(const struct render_run *run, struct err *err);
 // Returns why auto is the integrator that it is; NULL if the integrator was named.
 const char *render_auto_reason(const struct render_run *run);
 // Returns the command to which --pixel and --sample are added to follow a path; NULL if paths
-// split, which cannot be followed.
+// cannot be followed: if they split, or belong to a sequence of pictures.
 const char *render_following_command(const struct render_run *run);
 // Returns the command that follows the path of a dropped contribution, or NULL; it lives in the
 // run's arena.

@@ -304,6 +304,7 @@ int render_sequence(const struct options *options)
     struct err err = {0};
     s.progress = (struct progress){report, should_stop, &s.shown, end_progress, pause_progress};
     s.options.progress = &s.progress;
+    s.options.render.following_line = NULL;
     s.run.options = &s.options;
     bool ok = render(&s, &err);
     if (ok && s.run.gpu.validation_messages > 0)
