@@ -1,8 +1,8 @@
 """Runs both renderers through one interface: open() a scene, render() it with samples and a seed, close().
 
-render() returns wall and processor seconds. Both include some time that does not depend on the number of samples. Lampyris'
-processor seconds are those of its process, from loading to writing; its wall seconds are those of rendering alone. Both of
-Cycles are those of the operator that renders and writes.
+render() returns wall and processor seconds, and Lampyris also its number of rays. Seconds include some time that does not
+depend on the number of samples. Lampyris' processor seconds are those of its process, from loading to writing; its wall
+seconds are those of rendering alone. Both of Cycles are those of the operator that renders and writes.
 """
 import hashlib
 import json
@@ -53,6 +53,7 @@ class Lampyris:
             raise Failure('%s: exit code %d: %s' % (' '.join(command), result.returncode, result.stderr.strip()))
         summary = json.loads(result.stdout)
         return {'seconds': summary['seconds']['render'], 'device': summary['device'],
+                'rays': sum(summary['rays'].values()),
                 'processor_seconds': _processor_seconds_of_children() - processor}
 
     def close(self):

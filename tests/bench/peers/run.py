@@ -11,6 +11,7 @@ import argparse
 import csv
 import json
 import os
+import shlex
 import shutil
 import statistics
 import sys
@@ -24,15 +25,16 @@ import scenes  # noqa: E402
 
 REFERENCE_SEEDS = {'a': 1000003, 'b': 1000033}
 COLUMNS = ['scene', 'identity', 'size', 'spp', 'renderer', 'version', 'turn', 'seconds', 'processor_seconds',
-           'seconds_1', 'processor_seconds_1', 'relmse', 'device', 'load']
+           'seconds_1', 'processor_seconds_1', 'relmse', 'relmse_99', 'rays', 'device', 'load']
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--lampyris', default='build/src/cli/lampyris', metavar='PROGRAM')
     parser.add_argument('--blender', default='blender', metavar='PROGRAM')
-    parser.add_argument('--also', action='append', default=[], metavar='NAME=PROGRAM',
-                        help='another build of Lampyris that takes its turns, such as the one before a change')
+    parser.add_argument('--without-cycles', action='store_true', help='compare only Lampyris with those of --also')
+    parser.add_argument('--also', action='append', default=[], metavar='NAME="PROGRAM [--KEY VALUE ...]"',
+                        help='another build of Lampyris, or the same one with options, that takes its turns')
     parser.add_argument('--options', default='', metavar='"--KEY VALUE ..."', help='of Lampyris, but not of --also')
     parser.add_argument('--scenes', default=','.join(scenes.SCENES), metavar='NAME,...')
     parser.add_argument('--size', type=int, default=256, metavar='N', help='pictures are N x N (256)')
@@ -49,7 +51,11 @@ def arguments():
         parser.error('there is no scene "%s", but %s' % (', '.join(sorted(unknown)), ', '.join(scenes.SCENES)))
     if options.spp < 2 or options.turns < 1:
         parser.error('--spp is at least 2, and --turns at least 1')
-    for program in (options.lampyris, options.blender):
+    options.also = [(name, shlex.split(command)) for name, _, command in (also.partition('=') for also in options.also)]
+    if not all(command for _, command in options.also):
+        parser.error('--also is NAME=PROGRAM')
+    programs = [options.lampyris, *([] if options.without_cycles else [options.blender])]
+    for program in programs + [command[0] for _, command in options.also]:
         if not shutil.which(program):
             parser.error('the program "%s" is not there' % program)
     return options
@@ -57,11 +63,11 @@ def arguments():
 
 def contestants(options):
     """Returns the renderers. Lampyris is the first one, with which all others are compared."""
-    result = [renderers.Lampyris('Lampyris', shutil.which(options.lampyris), options.options.split()),
-              renderers.Cycles(options.blender)]
-    for also in options.also:
-        name, _, program = also.partition('=')
-        result.append(renderers.Lampyris(name, program))
+    result = [renderers.Lampyris('Lampyris', shutil.which(options.lampyris), options.options.split())]
+    if not options.without_cycles:
+        result.append(renderers.Cycles(options.blender))
+    for name, command in options.also:
+        result.append(renderers.Lampyris(name, shutil.which(command[0]), command[1:]))
     return result
 
 
@@ -72,13 +78,16 @@ class Rows:
         self.path, self.rows = os.path.join(folder, 'rows.csv'), []
         if os.path.exists(self.path):
             with open(self.path, newline='') as file:
-                self.rows = [self._typed(row) for row in csv.DictReader(file)]
+                reader = csv.DictReader(file)
+                # Rows with other columns were written by another version of this program.
+                self.rows = [self._typed(row) for row in reader] if reader.fieldnames == COLUMNS else []
 
     @staticmethod
     def _typed(row):
         for key in ('size', 'spp', 'turn'):
             row[key] = int(row[key])
-        for key in ('seconds', 'processor_seconds', 'seconds_1', 'processor_seconds_1', 'relmse', 'load'):
+        for key in ('seconds', 'processor_seconds', 'seconds_1', 'processor_seconds_1', 'relmse', 'relmse_99', 'rays',
+                    'load'):
             row[key] = float(row[key])
         return row
 
@@ -132,10 +141,10 @@ class Comparison:
         path = os.path.join(self.options.output, 'picture.exr')
         short = renderer.render(1, 2 * number + 1, path)
         whole = renderer.render(self.options.spp, 2 * number + 2, path)
-        relmse = estimate.error(exr.read(path), self.references[renderer.family])
+        relmse, trimmed = estimate.errors(exr.read(path), self.references[renderer.family])
         self.rows.add(**own, seconds=whole['seconds'], processor_seconds=whole['processor_seconds'],
                       seconds_1=short['seconds'], processor_seconds_1=short['processor_seconds'], relmse=relmse,
-                      device=whole.get('device', 'CPU'), load=os.getloadavg()[0])
+                      relmse_99=trimmed, rays=float(whole.get('rays', 0)), device=whole.get('device', 'CPU'), load=os.getloadavg()[0])
         self.say('%s: turn %d, relMSE %.4g, %.2f s of processors' % (renderer.name, number, relmse,
                                                                     whole['processor_seconds']))
 
@@ -160,7 +169,7 @@ class Comparison:
         rows = sorted((row for row in self.rows.select(**self.key, renderer=renderer.name, version=renderer.version)
                        if row['turn'] < self.options.turns), key=lambda row: row['turn'])
         part = self.options.spp / (self.options.spp - 1)
-        result = {'relmse': [row['relmse'] for row in rows], 'load': [row['load'] for row in rows]}
+        result = {key: [row[key] for row in rows] for key in ('relmse', 'relmse_99', 'rays', 'load')}
         for kind in ('seconds', 'processor_seconds'):
             # The median is used, because a moment of load on the machine would be added to, or subtracted
             # from, one turn only.

@@ -43,6 +43,18 @@ class Estimates(unittest.TestCase):
         found = [estimate.error(noisy(2, .05, numbers), references) for _ in range(8)]
         self.assertAlmostEqual(sum(found) / 8, .0025 / 4.01, delta=.06 * .0025 / 4.01)
 
+    def test_rare_bright_pixels_are_not_in_the_trimmed_error(self):
+        numbers = random.Random(8)
+        references = [noisy(2, .02, numbers) for _ in range(2)]
+        picture = noisy(2, .05, numbers)
+        plain = estimate.errors(picture, references)
+        for i in numbers.sample(range(64 * 64), 20):  # of 4096 pixels
+            picture[2][1][i] = 300
+        whole, trimmed = estimate.errors(picture, references)
+        self.assertAlmostEqual(whole / (20 / (3 * 4096) * 298**2 / 4.01), 1, delta=.01)
+        self.assertAlmostEqual(trimmed / plain[1], 1, delta=.05)
+        self.assertLess(plain[1], plain[0])
+
     def test_a_bias_between_renderers_is_found(self):
         numbers = random.Random(4)
         ours, theirs = ([noisy(mean, .1, numbers) for _ in range(2)] for mean in (2.2, 2))
@@ -260,7 +272,7 @@ class Means(Both):
 
     def test_the_command(self):
         command = [sys.executable, os.path.join(os.path.dirname(os.path.abspath(__file__)), 'run.py'), '--quick',
-                   '--lampyris', LAMPYRIS, '--also', 'before=' + LAMPYRIS, '--scenes', 'box', '-o', self.folder.name]
+                   '--lampyris', LAMPYRIS, '--also', 'before=%s --light-choice auto' % LAMPYRIS, '--scenes', 'box', '-o', self.folder.name]
         told = []
         for _ in range(2):  # the second run finds all rows
             result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
@@ -272,9 +284,11 @@ class Means(Both):
             self.assertEqual(len(file.readlines()), 1 + 3 * 2)
         with open(os.path.join(self.folder.name, 'results.json')) as file:
             scene, = json.load(file)['scenes']
-        cycles, before = scene['ratios']
-        self.assertEqual((cycles['renderer'], before['renderer']), ('Cycles', 'before'))
-        self.assertEqual(before['relmse'][0], 1)  # the same program with the same seeds
+        pairs = [(ratio['of'], ratio['renderer']) for ratio in scene['ratios']]
+        self.assertEqual(pairs, [('Lampyris', 'Cycles'), ('Lampyris', 'before'), ('before', 'Cycles')])
+        before = scene['ratios'][1]
+        # The same program with the same seeds.
+        self.assertEqual([before[name][0] for name in ('relmse', 'relmse_99', 'rays')], [1, 1, 1])
 
 
 if __name__ == '__main__':
