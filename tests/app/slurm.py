@@ -120,7 +120,7 @@ class Cluster:
         """Returns the states of the job's tasks that Slurm knows, including tasks that have ended."""
         return self.output('squeue', '--noheader', '--array', '--states=all', '--format=%T', '--job', job).split()
 
-    def wait_for_end(self, job, seconds=280):
+    def wait_for_end(self, job, seconds=900):
         def has_ended():
             states = self.states(job)
             return states and not any(s in ('PENDING', 'RUNNING', 'COMPLETING', 'CONFIGURING', 'REQUEUED')

@@ -36,6 +36,8 @@ PLACES = re.compile(r'SLURM_|OMPI_|PMI_|PMIX_|JOB_COMPLETION')
 
 
 class Shards(unittest.TestCase):
+    TIMEOUT = 300 # seconds that one command may take
+
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
@@ -54,7 +56,7 @@ class Shards(unittest.TestCase):
     def run_one(self, *arguments, **variables):
         env = {name: value for name, value in os.environ.items() if not PLACES.match(name)}
         return subprocess.run([LAMPYRIS, *arguments], cwd=self.folder.name, env={**env, **variables},
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=self.TIMEOUT)
 
     def command(self, *arguments, scene='cornell', size='20x18'):
         return ['render', os.path.join(SCENES, scene + '.json'), '--size', size, *arguments]
