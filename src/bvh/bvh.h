@@ -74,11 +74,11 @@ _Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 // then that of the shape or instance.
 #define BVH_LEAF 0x80000000u
 #define BVH_LEAF_SHAPE 0x40000000u                       // one analytic shape instead of triangles
-#define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u) // one instance, by its own index
+#define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u) // one instance instead of triangles
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
 #define BVH_INSTANCES_MAX                                                                          \
-    0x1ffffff0u // limit for which no leaf word equals BVH_EMPTY or a stack
+    0x1ffffff0u // maximum number of instances; up to it no leaf word equals BVH_EMPTY or a stack
                 // marker
 
 // The maximum number of references that spatial splits add, as a fraction of the number of
@@ -136,7 +136,7 @@ struct bvh_params {
     const struct bvh_box *instance_boxes; // boxes of instances, whose leaves lead to another tree
     uint32_t instance_count;
     struct bvh_method method;
-    unsigned threads;                // 0: all
+    unsigned threads;                // number of threads; 0: one for each processor
     const struct progress *progress; // its phase is "Building BVH"
 };
 
@@ -157,10 +157,10 @@ struct bvh_params {
 // The same input gives the same bits for any number of threads. The depth is bounded, even for a
 // million identical triangles (a median split is used where SAH cannot separate them):
 // stack_entries <= BVH_STACK_ENTRIES_MAX. Vertices must be finite (ERR_BUG otherwise). There may be
-// BVH_LEAF_INDEX primitives of each kind, but only bvh_leaf_index_max() triangles (ERR_INPUT above
-// that).
-// The result lives in `arena`; scratch memory is released before returning. The calling thread
-// reports progress; a requested stop is an error (ERR_STOPPED).
+// at most bvh_leaf_index_max() triangles (ERR_INPUT above that), BVH_LEAF_INDEX shapes and
+// BVH_INSTANCES_MAX instances (ERR_BUG above these). The result lives in `arena`; scratch memory is
+// released before returning. The calling thread reports progress; a requested stop is an error
+// (ERR_STOPPED).
 bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
                struct err *err);
 
@@ -226,7 +226,7 @@ static inline uint64_t bvh_nodes_bytes(const struct bvh *bvh)
 
 // Checks all conditions of this header against the primitives: boxes contain everything below them,
 // every primitive appears once, there are no cycles, and the statistics are right (except the
-// times). For tests and for hierarchies loaded from a cache. Fails with ERR_INPUT, naming the
+// times). Tests and hierarchies loaded from a cache need it. Fails with ERR_INPUT, naming the
 // violated condition.
 bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
 

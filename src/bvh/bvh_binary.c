@@ -88,7 +88,8 @@ static void run_task(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// Sorts tasks by descending size, so that no thread starts a large task when the others are done.
+// Sorts tasks by descending size, so that no thread starts a large task after the other threads
+// have finished.
 static int compare_tasks(const void *a, const void *b)
 {
     const struct bvh_range *x = a, *y = b;
@@ -134,8 +135,8 @@ static struct bvh_range root_range(const struct bvh_binary_params *params)
     return root;
 }
 
-// Compacts the nodes of a subtree with gaps between them, keeping their order; returns the end. The
-// recursion is at most as deep as the tree.
+// Removes the gaps between the nodes of a subtree without changing their order; returns the end.
+// The recursion is at most as deep as the tree.
 static uint32_t compact(struct bvh_binary_node *nodes, uint32_t from, uint32_t to)
 {
     struct bvh_binary_node node = nodes[from];

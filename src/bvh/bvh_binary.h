@@ -49,7 +49,7 @@ struct bvh_splitter {
     const struct bvh_params *geometry;
     struct bvh_spatial_chunk *spatial_chunks;
     double root_area;                // half the surface area of the root's box
-    const struct progress *progress; // NULL: no listener
+    const struct progress *progress; // NULL: no progress is reported
 };
 
 // Ranges are binned and partitioned in chunks of at least BVH_CHUNK_MIN primitives.

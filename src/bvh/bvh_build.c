@@ -178,7 +178,7 @@ static uint32_t capacity_for(const struct bvh_params *params, uint32_t count)
     return count + (uint32_t)(more < most ? more : most);
 }
 
-// Builds once. *fits is whether the tree stays within the limits; otherwise it remains unused in
+// Builds once. Sets *fits if the tree stays within the limits; otherwise the tree remains unused in
 // the arena.
 static bool build_once(const struct bvh_params *params, const struct attempt *attempt,
                        struct arena *arena, struct bvh *out, bool *fits, struct err *err)

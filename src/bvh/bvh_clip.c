@@ -11,7 +11,7 @@
 #define PAD_OF_COORDINATE 0x1p-21
 #define PAD_MIN 0x1p-147
 
-enum { CORNERS_MAX = 9 }; // corners of a triangle cut by the six planes of a box
+enum { CORNERS_MAX = 9 }; // maximum number of corners of a triangle cut by the six planes of a box
 
 struct bvh_clip bvh_clip_for(const float vertices[3][3])
 {

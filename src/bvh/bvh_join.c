@@ -69,7 +69,7 @@ static bool allocate(struct join *join, struct arena *arena, struct err *err)
 }
 
 // Returns the cost that the trees below the leaves of instances add to the world's. A ray that
-// reaches such a leaf is taken to hit the root's box of that tree, too.
+// reaches such a leaf is assumed to hit the root's box of that tree, too.
 static double cost_of_instances(const struct bvh_join_params *p)
 {
     const struct bvh *world = p->world;

@@ -52,8 +52,8 @@ struct search {
     uint32_t looked_at;
 };
 
-// A subtree in which to search, and the gain so far of inserting there: the savings from removing
-// the moving subtree minus the growth of the nodes above.
+// A subtree in which to search, and the gain so far of inserting the moving subtree there: the
+// savings from removing the moving subtree minus the growth of the nodes above.
 struct search_entry {
     double gain;
     uint32_t node;
@@ -117,8 +117,8 @@ static void search_subtree(const struct optimizer *optimizer, const struct bvh_b
     }
 }
 
-// Finds the best position for a subtree whose parent is not the root. The gain is 0 if there is
-// none better.
+// Finds the best position for a subtree whose parent is not the root. The gain is 0 if no position
+// is better.
 static struct search find_place(const struct optimizer *optimizer, uint32_t index)
 {
     const struct bvh_binary_node *nodes = optimizer->nodes;
@@ -133,7 +133,7 @@ static struct search find_place(const struct optimizer *optimizer, uint32_t inde
         uint32_t sibling = sibling_of(optimizer, pivot);
         search_subtree(optimizer, moving, (struct search_entry){gain, sibling}, &search);
         pivot = optimizer->parents[pivot];
-        box_add_box(&rest, &nodes[sibling].box); // all below the pivot but the moving subtree
+        box_add_box(&rest, &nodes[sibling].box); // all below the pivot except the moving subtree
         gain += box_half_area(&nodes[pivot].box) - box_half_area(&rest);
     }
     return search;

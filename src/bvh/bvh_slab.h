@@ -7,8 +7,8 @@
 #include <stdbool.h>
 
 // The triangle test computes coordinates relative to the ray's origin, and products of these, with
-// a relative error of a few 2^-53 of the largest coordinate. 2^-46 of that coordinate is 128 times
-// as much, and 2^-22 of the spacing of floats.
+// a relative error of a few 2^-53 of the largest coordinate. The padding, 2^-46 of that coordinate,
+// is 128 times 2^-53 of it, and 2^-22 of the spacing of floats there.
 #define SLAB_PAD 0x1p-46
 
 struct slab_ray {

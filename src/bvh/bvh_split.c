@@ -134,8 +134,8 @@ static void bins_merge(struct bin into[3][BIN_COUNT], const struct bin from[3][B
     }
 }
 
-// Compares a split with the best so far. At equal cost (a flat scene may have only zeros) the more
-// even split wins, so that the depth stays small.
+// Compares a split with the best so far. At equal cost (in a flat scene all costs may be 0) the
+// more even split wins, so that the depth stays small.
 static bool split_is_better(double cost, uint32_t left, uint32_t right,
                             const struct bin_split *best, uint32_t count)
 {

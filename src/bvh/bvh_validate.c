@@ -6,7 +6,7 @@ struct validator {
     const struct bvh *bvh;
     const struct bvh_params *params;
     uint8_t *node_seen, *place_seen, *shape_seen, *instance_seen;
-    uint8_t *triangle_places; // 0, 1, or 2 for more: entries of each triangle
+    uint8_t *triangle_places; // number of entries of each triangle; 2 stands for two or more
     struct bvh_box *bounds;   // bounds of the primitives below each node
     bool has_parts;           // whether some triangle has several entries
     struct err *err;
@@ -64,7 +64,7 @@ static bool count_places(struct validator *validator)
     return true;
 }
 
-// Marks a shape or an instance as seen and gets its box. It is an error if it was seen before.
+// Marks a shape or an instance as seen and gets its box. Fails if it was seen before.
 static bool visit_box(struct validator *validator, const char *kind, const struct bvh_box *boxes,
                       uint32_t count, uint32_t index, uint8_t *seen, struct bvh_box *bounds)
 {
@@ -122,8 +122,8 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
     return true;
 }
 
-// Returns whether a child's stored box is valid for the bounds of what is below; it may be larger
-// if there are parts of triangles below.
+// Returns whether a child's stored box is valid for `bounds`, the bounds of everything below the
+// child. The box may be larger if some triangle of the tree has several entries.
 static bool fits(const struct validator *validator, uint32_t node, uint32_t child,
                  const struct bvh_box *bounds)
 {

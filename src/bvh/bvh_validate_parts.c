@@ -90,7 +90,8 @@ static bool check_triangle(const struct parts *parts, uint32_t triangle)
     for (int i = 0; i <= STEPS; i++)
         for (int k = 0; k <= STEPS - i; k++) {
             double a = (double)i / STEPS, b = (double)k / STEPS, point[3];
-            for (int axis = 0; axis < 3; axis++) { // rounding must not leave the triangle
+            for (int axis = 0; axis < 3; axis++) { // rounding must not move the point out of the
+                                                   // triangle's bounds
                 double x = v[0][axis], y = v[1][axis], z = v[2][axis];
                 point[axis] = (1 - a - b) * x + a * y + b * z;
                 point[axis] = fmin(fmax(point[axis], fmin(x, fmin(y, z))), fmax(x, fmax(y, z)));

@@ -8,20 +8,20 @@
 
 enum {
     WIDTH = 4,
-    TOP_MAX = 1024, // number of top nodes, whose subtrees are distributed over threads
+    TOP_MAX = 1024, // maximum number of top nodes, whose subtrees are distributed over threads
 };
 
 // The best ways to represent a binary subtree by at most 1, 2 or 3 children of one wide node.
 struct choice {
     float cost[WIDTH - 1]; // cost[i - 1]: with at most i children
-    // left[i - 2]: of i children, the number for the left subtree; 0: fewer children are better.
-    // i = WIDTH applies where the subtree's root becomes a wide node.
+    // left[i - 2]: the number of children, out of i, for the left subtree; 0: fewer children are
+    // better. The entry for i = WIDTH applies where the subtree's root becomes a wide node.
     uint8_t left[WIDTH - 1];
-    uint8_t is_leaf : 1;   // represented by one child: a leaf, not a wide node
+    uint8_t is_leaf : 1;   // if there is only one child, it is a leaf, not a wide node
     uint8_t triangles : 7; // number of triangles if they fit into a leaf; else 0
 };
 
-_Static_assert(sizeof(struct choice) == 16, "there are twice as many as triangles");
+_Static_assert(sizeof(struct choice) == 16, "small, because there are two per triangle");
 
 // A wide node before quantisation.
 struct draft {

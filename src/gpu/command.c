@@ -191,7 +191,8 @@ void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_b
 }
 
 // After graphics commands, lavapipe 22.3 queues timestamps with the triangles and executes them at
-// the next flush, which comes after the following kernel. A barrier forces a flush before it.
+// the next flush, which comes after the following kernel. A barrier after the timestamp forces a
+// flush before that kernel.
 static void settle_timestamp(struct gpu *gpu, struct gpu_commands *commands)
 {
     if (gpu->params.graphics && gpu->info.is_cpu)

@@ -44,8 +44,8 @@ struct gpu_device_info {
 bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *count,
                       struct err *err);
 
-// The Vulkan layouts for one set of bindings. Kernels that use the same set share it. The device
-// owns it until gpu_close.
+// The Vulkan layouts for one set of bindings. Kernels that use the same set share its layouts,
+// which the device owns until gpu_close.
 struct gpu_layout {
     uint64_t bindings; // bit i is set if binding i is in the set
     VkDescriptorSetLayout set;
@@ -155,8 +155,8 @@ bool gpu_buffer_create(struct gpu *gpu, const char *name, uint64_t bytes, enum g
                        bool texel, struct gpu_buffer *out, struct err *err);
 void gpu_buffer_finish(struct gpu *gpu, struct gpu_buffer *buffer); // accepts NULL and {0}
 bool gpu_texel_fits(const struct gpu *gpu, uint64_t bytes);
-// These functions copy and wait for the end. If the buffer is not mapped they use staging memory,
-// in pieces of at most 64 MiB.
+// gpu_upload() and gpu_download() copy and wait for the end. If the buffer is not mapped they use
+// staging memory, in pieces of at most 64 MiB.
 bool gpu_upload(struct gpu *gpu, struct gpu_buffer *buffer, uint64_t offset, const void *data,
                 uint64_t bytes, struct err *err);
 bool gpu_download(struct gpu *gpu, const struct gpu_buffer *buffer, uint64_t offset, void *data,
@@ -170,7 +170,7 @@ struct gpu_kernel_params {
     const uint32_t *constants; // values of the specialization constants 0 .. constant_count - 1
     uint32_t constant_count;
     // If `spirv` was derived from another module: that module, and a number that identifies the
-    // derivation. Both are part of the key by which pipelines are reused. NULL if it was not
+    // derivation. Both are part of the key by which pipelines are reused. NULL: `spirv` was not
     // derived.
     const uint32_t *made_from;
     uint64_t variant;

@@ -91,8 +91,8 @@ bool pipeline_cache_create(struct gpu *gpu, struct err *err);
 void kernels_destroy(struct gpu *gpu); // destroys the kept pipelines and the pipeline cache
 
 // --- debug.c ------------------------------------------------------------------------------------
-// Names an object for the messages of validation layers and for debuggers. Without these it does
-// nothing.
+// Names an object for the messages of validation layers and for debuggers. Does nothing unless
+// validation is on.
 void debug_name(const struct gpu *gpu, VkObjectType type, uint64_t handle, const char *name);
 #define DEBUG_NAME(gpu, type, handle, name)                                                        \
     debug_name((gpu), VK_OBJECT_TYPE_##type, (uint64_t)(handle), (name))

@@ -22,7 +22,7 @@ struct gpu_limit_overrides {
     uint64_t texel_elements; // maxTexelBufferElements
     uint64_t allocation;     // bytes of the largest VkDeviceMemory
     uint64_t shared_memory;  // maxComputeSharedMemorySize, bytes
-    uint64_t memory; // bytes of all allocations together; an allocation that would exceed it fails
+    uint64_t memory; // bytes of all allocations together; an allocation beyond this total fails
     uint64_t memory_budget; // bytes that the driver reports as available at first
     bool api_1_1;           // Vulkan 1.1 only, with no information about the driver
     // A simulated slow device: the nanoseconds that a workgroup takes, and the milliseconds after

@@ -97,7 +97,8 @@ bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gp
     return false;
 }
 
-// Other users of the queue, such as a window, may still read the image.
+// Destroys the image when the device is idle, because other users of the queue, such as a window,
+// may still read the image.
 static void picture_finish(struct gpu *gpu, struct gpu_screen *screen)
 {
     if (screen->image.handle)

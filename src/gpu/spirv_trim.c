@@ -135,7 +135,8 @@ static void read_global(struct module *m, const uint32_t *at)
         if (at[3] < m->constant_count)
             know(m, at[1], m->constants[at[3]]);
     } else if (op == OP_DECORATE && words == 4 && at[2] == SPIRV_DECORATION_BINDING) {
-        m->ids[at[1]].is_bound = m->ids[at[1]].dropped = true; // until code uses it
+        m->ids[at[1]].is_bound = m->ids[at[1]].dropped = true; // until a use of the variable is
+                                                               // found
     } else if (op == OP_CONSTANT_TRUE || op == OP_CONSTANT_FALSE) {
         know(m, at[2], op == OP_CONSTANT_TRUE);
     } else if (op == OP_SPEC_CONSTANT_TRUE || op == OP_SPEC_CONSTANT_FALSE) {
@@ -302,8 +303,8 @@ static void drop_function(struct module *m, const uint32_t *at)
     }
 }
 
-// Returns whether a name or a decoration refers to an id that is removed; it precedes the
-// definition.
+// Returns whether a name or a decoration refers to an id that is removed; names and decorations
+// precede the definition.
 static bool is_about_dropped(const struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at);

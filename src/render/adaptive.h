@@ -34,8 +34,7 @@ struct tile_plan_params {
     const double *variances;
     uint32_t average; // mean samples per pixel in a round, at least TILE_SAMPLES_MIN; the plan does
                       // not exceed it
-    uint32_t most;    // largest count of a tile, in addition to TILE_MOST_FACTOR; 0: no further
-                      // limit
+    uint32_t most;    // a second limit of a tile's count, besides TILE_MOST_FACTOR; 0: none
 };
 
 // Returns the number of tiles along `length` pixels.
@@ -61,7 +60,7 @@ bool tiles_all_begun(const struct renderer *renderer);
 // Lists as many of the pass's pixels as the wave can take, and uploads the list.
 bool tile_wave_fill(struct renderer *renderer, struct wave *wave, struct err *err);
 void tile_pass_end(struct renderer *renderer);
-// Returns the samples of all pixels together in that many rounds.
+// Returns the number of samples of all pixels in `rounds` rounds.
 uint64_t tile_samples(const struct renderer *renderer, uint64_t rounds);
 
 #endif

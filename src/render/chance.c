@@ -11,8 +11,7 @@
 
 #define LOBES_DIFFUSE (LOBE_LAMBERT | LOBE_DIFFUSE_TRANSMISSION)
 #define LOBES_SCATTERING                                                                           \
-    (LOBE_ROUGH - 1) // lower bits are lobes; higher bits are properties of
-                     // lobes
+    (LOBE_ROUGH - 1) // bits below LOBE_ROUGH are lobes; the others are properties of lobes
 
 // Returns whether scattered rays may hit some emitter without a shadow ray having been aimed at it.
 static bool leaves_to_chance(const struct scene *scene, const struct specialization *s)

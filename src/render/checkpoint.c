@@ -26,7 +26,8 @@ struct header {
     uint32_t is_zero; // padding: fills the header to a multiple of 8 bytes
 };
 
-_Static_assert(sizeof(struct header) == 8 + 2 * 4 + 5 * 8 + 4 * 4, "no bytes without a meaning");
+_Static_assert(sizeof(struct header) == 8 + 2 * 4 + 5 * 8 + 4 * 4,
+               "the header has no implicit padding");
 
 // --- the renderer's state ------------------------------------------------------------------------
 
@@ -268,8 +269,8 @@ static bool check_header(const struct checkpoint *c, const struct header *h, uin
     if (h->version != VERSION || h->byte_order != BYTE_ORDER_WORD ||
         h->state_count != CHECKPOINT_STATE_WORDS)
         return err_set(err, ERR_INPUT,
-                       "%s: is a checkpoint of version %u, of another build or machine; expected "
-                       "version %u of this one",
+                       "%s: is a checkpoint of version %u from another build or machine; expected "
+                       "version %u from this build",
                        c->path, h->version, VERSION);
     if (h->file_bytes != bytes)
         return err_set(err, ERR_INPUT, "%s: has %" PRIu64 " bytes; expected %" PRIu64, c->path,
@@ -486,7 +487,7 @@ bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *er
     if (!check_state(c, r, err))
         return false;
     if (r->pass.position == 0)
-        r->pass = (struct pass){0}; // not begun: this run may choose another shift
+        r->pass = (struct pass){0}; // the pass has not begun: this run may choose another shift
     if (has_tiles) {
         struct tile_plan plan = tile_plan_of(r->frame.width, r->frame.height, c->counts);
         if (!renderer_set_plan(r, &plan, err))

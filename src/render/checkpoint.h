@@ -17,8 +17,7 @@
 #define CHECKPOINT_TEXT_MAX (1u << 20) // limit in bytes, for the identity and for the command line
 
 #define CHECKPOINT_BLOCK_BYTES                                                                     \
-    (UINT64_C(1) << 20) // limit of a block of the film; each block has a
-                        // hash
+    (UINT64_C(1) << 20) // limit in bytes of a block of the film, without its hash
 
 struct checkpoint_text {
     const char *identity; // lines of "name=value", each ending with a newline
@@ -58,7 +57,7 @@ struct checkpoint {
 // valid. Close *out with checkpoint_close().
 bool checkpoint_open(const char *path, struct arena *arena, struct checkpoint *out,
                      struct err *err);
-// As checkpoint_open(), but for an open file. If this fails, the file still belongs to the caller.
+// As checkpoint_open(), but for an open file. On failure the file still belongs to the caller.
 bool checkpoint_read(FILE *file, const char *path, struct arena *arena, struct checkpoint *out,
                      struct err *err);
 void checkpoint_close(struct checkpoint *checkpoint); // accepts NULL and {0}
@@ -66,7 +65,7 @@ void checkpoint_close(struct checkpoint *checkpoint); // accepts NULL and {0}
 // Returns the size of the film's next block, at most checkpoint->block_bytes; a valid file has a
 // whole number of records in each block. 0: there is no further block.
 uint64_t checkpoint_next_bytes(const struct checkpoint *checkpoint);
-// Reads that block and checks its hash. Fails with ERR_INPUT if the file is damaged.
+// Reads the film's next block and checks its hash. Fails with ERR_INPUT if the file is damaged.
 bool checkpoint_next_block(struct checkpoint *checkpoint, void *block, struct err *err);
 // Returns the saved state, without records and tiles.
 struct film_copy checkpoint_film(const struct checkpoint *checkpoint);
@@ -74,8 +73,8 @@ struct film_copy checkpoint_film(const struct checkpoint *checkpoint);
 // Fails with ERR_INPUT, naming the first difference, unless the identities are the same. An
 // identity consists of lines "name=value".
 bool checkpoint_check(const struct checkpoint *checkpoint, const char *identity, struct err *err);
-// Compares `was`, the identity in the file at `path`, with `is`, in the same way. `whose` names the
-// owner of `is` in the message.
+// Compares `was`, the identity in the file at `path`, with `is`, as checkpoint_check() does.
+// `whose` names the owner of `is` in the message.
 bool checkpoint_compare(const char *path, const char *was, const char *whose, const char *is,
                         struct err *err);
 

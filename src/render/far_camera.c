@@ -86,7 +86,7 @@ double far_camera_start(const struct flat_scene *flat, const struct camera *came
     return start < all ? start * (1.0 - 0x1p-16) : start;
 }
 
-// An object that covers less than this fraction of a pixel is hit by too few samples.
+// A scene whose diameter in the image is below this fraction of a pixel is hit by too few samples.
 #define LEAST_PART 0x1p-8
 
 struct far_fault far_camera_judge(const struct flat_scene *flat, const struct camera *camera,
@@ -97,7 +97,7 @@ struct far_fault far_camera_judge(const struct flat_scene *flat, const struct ca
     if (!(sight.radius > 0.0) || camera->kind == CAMERA_ORTHOGRAPHIC)
         return (struct far_fault){0};
     double seen = is_panoramic ? M_PI : 2.0 * tan(0.5 * camera->fov_y); // height seen at a distance
-                                                                        // of 1; panoramas: the
+                                                                        // of 1; for panoramas, the
                                                                         // angle
     double pixel = seen / height, farthest = sight.distance + sight.radius;
     double begin = is_far(&sight, camera) ? sight.depth - sight.radius : 0.0;
@@ -125,6 +125,6 @@ void far_camera_warn(const struct flat_scene *flat, const struct camera *camera,
     else if (fault.kind == FAR_FAULT_PIXEL)
         log_warn("a pixel is %.2g radians wide, but from within a scene single precision resolves "
                  "directions only to %.2g radians; expected a wider field of view, or a camera "
-                 "farther away from all of it",
+                 "farther away from the whole scene",
                  fault.pixel, fault.direction);
 }

@@ -131,7 +131,7 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
         image->mean[at][c] = p->samples ? (float)(sum / p->samples) : 0.0f;
     }
     // The expected squared difference of the halves' means is the variance of one sample times (1 /
-    // a + 1 / b).
+    // samples_a + 1 / samples_b).
     double share = (double)samples_a * samples_b / fmax((double)p->samples * p->samples, 1.0);
     for (int c = 0; c < 3 && image->aovs.variance; c++) {
         double difference = (double)p->mean_a[c] - (double)p->mean_b[c];

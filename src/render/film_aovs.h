@@ -15,14 +15,14 @@ struct film_brightest {
     uint32_t sample;   // the lowest such sample, if several are equally bright
 };
 
-// AOVs: pixels in rows from the top; NULL for those not requested. They describe the first surface
-// that camera rays meet, even if it is glass or a mirror. Values are means over all samples, in
-// which samples that meet no surface count as 0. Depth and position are means over the samples that
-// meet a surface.
+// AOVs: pixels in rows from the top; NULL for those not requested. The members from `albedo` to
+// `ids` describe the first surface that camera rays meet, even if it is glass or a mirror. Values
+// are means over all samples, in which samples that meet no surface count as 0. Depth and position
+// are means over the samples that meet a surface.
 struct film_aovs {
     float (*albedo)[3];
     float (*normal)[3];           // the shading normal in world space, towards the camera
-    float (*normal_geometric)[3]; // the geometric normal, in the same way
+    float (*normal_geometric)[3]; // the geometric normal in world space, towards the camera
     float *depth;                 // along the ray, metres; infinite if no sample meets a surface
     float (*position)[3];         // in the world, metres; 0 if no sample meets a surface
     float *alpha;                 // the fraction of samples that meet a surface
@@ -49,8 +49,8 @@ uint32_t film_aovs_of_device(uint32_t wanted);
 uint32_t film_aovs_bytes(uint32_t wanted);
 bool film_aovs_allocate(uint32_t wanted, uint64_t pixels, struct arena *arena,
                         struct film_aovs *out, struct err *err);
-// Reads pixel `at` from its record (shared/aov.h). `words` are those after gpu_resolved_pixel;
-// `device` is the result of film_aovs_of_device().
+// Reads pixel `at` from its record (shared/aov.h). `words` are the record's words after struct
+// gpu_resolved_pixel; `device` is the result of film_aovs_of_device().
 void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *words,
                     uint32_t device, const struct flat_scene *flat);
 

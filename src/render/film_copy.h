@@ -1,5 +1,5 @@
-// Copies the film's records, and the renderer's state that belongs to them, to host memory. The
-// same renderer can continue from it bit for bit after its device was reopened.
+// Copies the film's records, and the renderer's state that belongs to them, to host memory. After
+// its device was reopened, the same renderer can continue from the copy bit for bit.
 #ifndef LAMPYRIS_RENDER_FILM_COPY_H
 #define LAMPYRIS_RENDER_FILM_COPY_H
 
@@ -20,7 +20,8 @@ uint64_t film_copy_bytes(const struct renderer *renderer);
 struct film_range {
     uint64_t first, bytes;
 };
-// Returns the range that can have samples: the rows that are rendered, or with light paths all.
+// Returns the range that can have samples: the rows that are rendered, or all rows if there are
+// light paths.
 struct film_range film_copy_range(const struct renderer *renderer);
 // Returns the members of the renderer that belong to the film, without records and tiles.
 struct film_copy film_copy_state(const struct renderer *renderer);

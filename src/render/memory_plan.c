@@ -12,8 +12,8 @@
 #include <stdio.h>
 
 // According to measurements (docs/performance.md), a dispatch on lavapipe takes about 65 us to wake
-// its threads, so larger waves are faster until the path state leaves the caches. GPUs need enough
-// paths to fill every lane many times over.
+// its threads, so larger waves are faster as long as the path state fits into the caches. GPUs need
+// enough paths to fill every lane many times over.
 #define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
 // On wide devices the last bounces of a wave, which have few paths, run at the same time as the
@@ -475,8 +475,8 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     return true;
 }
 
-// Makes a plan that fits into memory: if necessary with one wave in flight, which is then halved
-// until it fits or does not get smaller. The image is the same.
+// Makes a plan that fits into memory. If necessary, it has only one wave in flight, whose size is
+// halved until the plan fits or the wave gets no smaller. The image does not depend on it.
 static bool make_fitting(const struct memory_plan_params *p, struct memory_plan *out,
                          struct err *err)
 {
@@ -491,7 +491,7 @@ static bool make_fitting(const struct memory_plan_params *p, struct memory_plan 
             smaller.waves = 1;
         else
             smaller.wave = slots / 2;
-        smaller.wave_is_wish = true; // this function warns about it below
+        smaller.wave_is_wish = true; // this function warns of the smaller wave below
         if (!make(&smaller, out, err))
             return false;
         if (smaller.wave == slots / 2 && out->wave_slots >= slots)
@@ -522,7 +522,7 @@ static bool make_wanted(const struct memory_plan_params *p, struct memory_plan *
 bool memory_plan_make(const struct memory_plan_params *p, struct specialization *s,
                       struct memory_plan *out, struct err *err)
 {
-    // Only now are the sizes of materials, emitters and corner attributes known.
+    // The sizes of materials, emitters and corner attributes are known only now.
     if (!fits_texels(p))
         s->features &= ~FEATURE_TEXEL_SCENE;
     if (!make_wanted(p, out, err))

@@ -9,7 +9,7 @@
 struct planned_buffer {
     const char *name;        // NULL: the scene does not need it
     uint64_t bytes;          // size of one copy; 0 if not needed
-    uint64_t unneeded_bytes; // bytes that leaving it out saves
+    uint64_t unneeded_bytes; // bytes that leaving the buffer out saves
     uint32_t copies;         // number of buffers of this size: one for each chunk of the film, the
                              // last of which may be smaller, or one for each wave in flight
     uint32_t parts;          // storage bindings; more than one if the buffer exceeds a storage
@@ -57,15 +57,17 @@ bool memory_plan_make(const struct memory_plan_params *params, struct specializa
                       struct memory_plan *out, struct err *err);
 
 // Returns the bytes of all buffers that `params->specialization` needs for a wave of `slots` paths,
-// without the film and the buffer that reads it back. Allocates nothing and never fails.
+// without the film and the buffer by which the film is read back. Allocates nothing and never
+// fails.
 uint64_t memory_plan_bytes(const struct memory_plan_params *params, uint32_t slots);
 
 // Returns the bytes of the buffers that grow with the picture: the film, and the buffer that reads
 // it back in pieces. 0 if no buffer can hold a pixel. Never fails.
 uint64_t memory_plan_picture_bytes(const struct memory_plan_params *params);
 
-// If kernels were refused because a scene buffer that has too many texels makes them bind too many
-// storage buffers, prepends this reason, with the buffer's name, to the message. Returns false.
+// Explains why kernels were refused for binding too many storage buffers. If the cause is a scene
+// buffer with too many texels, prepends this reason, with the buffer's name, to the message.
+// Returns false.
 bool memory_plan_refused(const struct memory_plan *plan, const struct gpu *gpu, struct err *err);
 
 // Returns whether each wave in flight has its own buffer for this binding.

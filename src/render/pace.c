@@ -68,7 +68,8 @@ bool pace_takes(struct pace *pace, uint32_t kernel, uint32_t items)
     bool is_known = pace->ns[kernel] > 0.0 || items == 0;
     if (!is_first && (!is_known || pace->recorded_ns + ns > PACE_SUBMISSION_NS))
         return false;
-    pace->recorded_ns += is_known ? ns : INFINITY; // unknown: nothing else may join this submission
+    pace->recorded_ns += is_known ? ns : INFINITY; // time unknown: nothing else may join this
+                                                   // submission
     return true;
 }
 

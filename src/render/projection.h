@@ -20,9 +20,9 @@ struct projected {
     double depth;        // distance along the line of sight; for panoramas along the ray
     double origin[3];    // origin of the ray to the point
     double direction[3]; // direction of that ray; a unit vector
-    double distance;     // distance from that origin
-    double pixel_area;   // area of a pixel at that distance, perpendicular to the ray
-    double pixel_size;   // shorter side of a pixel there
+    double distance;     // distance from `origin` to the point
+    double pixel_area;   // area of a pixel at this distance, perpendicular to the ray
+    double pixel_size;   // shorter side of a pixel at this distance
     double blur;         // radius of the circle of confusion, pixels
 };
 

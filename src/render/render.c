@@ -49,8 +49,9 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
     return plan_waves(r, wave, 0, wave_is_wish, err);
 }
 
-// If the size of waves is tuned by measured speed, room is reserved for the largest size if memory
-// suffices. Images with too few pixels cannot fill such a wave. With tiles the size is not tuned.
+// Plans the first waves. If their size is tuned by measured speed, the plan reserves room for the
+// largest size, as far as memory suffices. The size is not tuned for images with too few pixels to
+// fill such a wave, nor with tiles.
 static bool plan_first_memory(struct renderer *r, uint32_t wave, struct err *err)
 {
     bool is_large = r->pixels >= WAVE_SIZE_MOST && !(r->specialization.features & FEATURE_TILES);
@@ -229,8 +230,8 @@ static bool check_split(const struct settings *settings, struct err *err)
                    settings->split_lobes, directions_names[settings->directions]);
 }
 
-// Gets the geometry: the caller's, if it is shared, which takes this renderer no time; otherwise
-// prepares it.
+// Takes the caller's geometry if there is one, which costs this renderer no time; otherwise
+// prepares geometry of its own.
 static bool get_geometry(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
     const struct geometry_params own = {
@@ -404,7 +405,8 @@ bool renderer_reopen(struct renderer *r, uint32_t wave, struct err *err)
 
 // --- rendering -----------------------------------------------------------------------------------
 
-// Lets a ray that exceeds its iteration budget be suspended. Before, such a ray made the wave void.
+// Lets a ray that exceeds its iteration budget be suspended. Until then, such a ray makes its wave
+// void.
 static bool enable_suspension(struct renderer *r, struct err *err)
 {
     log_warn("some rays need more than %u steps through the BVH: continuing with "
@@ -498,7 +500,7 @@ static void learn_from_wave(struct renderer *r, const struct wave *wave, uint64_
 }
 
 // Renders the next wave of the pass, and begins the following one if two may be in flight. The two
-// have no pixel in common, so each pixel's samples are added in order.
+// waves have no pixel in common, so each pixel's samples are added in order.
 static bool render_next(struct renderer *r, const struct render_call *call, struct wave *wave,
                         bool *voided, struct err *err)
 {
@@ -516,7 +518,7 @@ static bool render_next(struct renderer *r, const struct render_call *call, stru
 }
 
 // A light path may contribute to any pixel, so all light paths of a pass belong to the film:
-// without some of them it would be too dark.
+// without some of them the film would be too dark.
 static bool must_end_pass(const struct renderer *r)
 {
     return r->specialization.integrator == INTEGRATOR_BIDIR && r->pass.position > 0;
@@ -538,7 +540,7 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
                 return false;
             if (r->pass.position > 0)
                 continue;
-            r->pass = (struct pass){0}; // begin it anew: waves may have become smaller
+            r->pass = (struct pass){0}; // begins the pass anew: waves may have become smaller
             return true;
         }
         r->pass.position += wave.pixel_count;

@@ -47,8 +47,8 @@ struct renderer_params {
     // and belong to this scene; `bvh`, `instancing` and `bvh_cache` are then ignored. NULL: the
     // renderer prepares its own geometry.
     const struct geometry *geometry;
-    const struct kernel_set *kernels; // NULL: the embedded ones. They must outlive the device, or
-                                      // be forgotten by it (gpu_kernels_forget)
+    const struct kernel_set *kernels; // NULL: the embedded kernels. The set must outlive the
+                                      // device, unless the device forgets it (gpu_kernels_forget)
     uint32_t wave;                    // paths in flight; 0: the device's default
     bool tunes_wave;                  // tunes the default wave size by measured speed: see
                                       // wave_size.h
@@ -124,8 +124,8 @@ static inline double render_stats_rays(const struct render_stats *stats)
     return (double)stats->closest_rays + (double)stats->shadow_rays;
 }
 
-// A pass takes 2^shift samples of every pixel, or of the pixels of tiles that need as many. A pass
-// that was interrupted continues in the next call.
+// A pass takes 2^shift samples of every pixel, or, with tiles, of the pixels of all tiles that need
+// so many. A pass that was interrupted continues in the next call.
 struct pass {
     uint32_t shift;
     uint64_t position, length; // pixels finished, and pixels in all; length 0: no pass is under way
@@ -189,7 +189,7 @@ struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
     struct camera camera;        // the camera in use; the scene owns its name
-    struct render_window window; // window of the picture that the film has; {0}: all of it
+    struct render_window window; // part of the picture that the film has; {0}: all of it
     uint64_t pixels;             // capacity: frame.width * frame.height is at most this
     uint32_t aovs;               // AOV_*, as requested
     const char *why_path;        // see struct renderer_params
@@ -233,8 +233,8 @@ struct renderer {
     uint64_t round_target;   // with tiles: the round at which the current passes end
     uint64_t emptied_at;     // next_sample when the film was last emptied
     struct pass pass;
-    bool takes_pairs; // all passes except the last have an even number of samples, so that the
-                      // halves of a part that is stopped between two passes have equally many
+    bool takes_pairs; // all passes except the last take an even number of samples, so that both
+                      // half-buffers have equally many if the render stops between two passes
     struct tiles tiles;
     struct render_stats stats;
     const struct progress *progress;
@@ -303,7 +303,7 @@ bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err)
 bool renderer_set_camera(struct renderer *renderer, const struct camera *camera, uint32_t width,
                          uint32_t height, bool *fits, struct err *err);
 
-// Restricts rendering to the pixels of these rows: a pass is then one over these rows. Each pixel
+// Restricts rendering to the pixels of these rows: a pass then covers only these rows. Each pixel
 // gets the samples that a render of the whole picture gives it. With light paths, which contribute
 // to all pixels, all pixels get the light of the light paths of these rows. With tiles, the rows
 // must begin and end at tiles. If the rows change, a pass that was stopped is ended.

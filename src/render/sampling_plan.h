@@ -26,7 +26,8 @@ bool halves_are_contiguous(const struct renderer *renderer);
 // in advance. Warns if the sampler cannot stratify as requested, because the number is unknown or
 // too large.
 void sampling_plan(struct renderer *renderer, bool open_ended);
-// Warns once if more samples are taken than were planned and the sampler depends on it.
+// Warns once if more samples are taken than were planned and the settings depend on the planned
+// number.
 void sampling_plan_check(struct renderer *renderer, uint64_t samples);
 
 #endif

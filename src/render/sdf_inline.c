@@ -97,8 +97,7 @@ static bool read_module(struct rewrite *w)
     return true;
 }
 
-// Takes the types from the parameters, because the functions are declared with values, not
-// pointers.
+// Takes the types from the parameters, because the functions take values, not pointers.
 static bool find_types(struct rewrite *w)
 {
     const struct function *value = &w->functions[FUNCTION_VALUE];
@@ -374,7 +373,7 @@ uint32_t *sdf_inline(const uint32_t *code, size_t bytes, const struct scene *sce
     return out;
 }
 
-// --- which ---------------------------------------------------------------------------------------
+// --- selection of programs -----------------------------------------------------------------------
 
 bool sdf_inline_fits(const struct scene *scene)
 {

@@ -565,8 +565,8 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     case KERNEL_shade_classical:
         return (s->features & FEATURE_CLASSES) && s->class_lobes[id - KERNEL_shade_diffuse];
     case KERNEL_intersect_closest:
-        // Without surfaces all rays miss, in an empty tree, by the same kernel. Without an
-        // environment, too, nothing is visible.
+        // Without surfaces the tree is empty, and this kernel finds that all rays miss. If there is
+        // no environment either, nothing is visible.
         return has_surfaces(s) || (s->features & FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;

@@ -50,15 +50,15 @@ struct specialization {
     uint32_t pending_rays; // maximum number of rays that a slot may postpone; INTEGRATOR_WHITTED
                            // only
     uint32_t split_lobes;  // number of vertices, from a path's beginning, at which paths split; a
-                           // sample has 2^this slots
+                           // sample has 2^split_lobes slots
     bool sort_rays;        // sorts rays by octant and cell, from bounce SORT_FIRST_BOUNCE on
 };
 _Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUNT,
                "one word a constant");
 
-// Maximum numbers of storage buffers that a kernel binds. For the state of paths Vulkan guarantees
-// as many (shading binds paths, shadow rays, radiance and queues). If scenes are not read as
-// texels, all buffers of the scene except the nodes are added.
+// Maximum numbers of storage buffers that a kernel binds. STATE_STORAGE is for the state of paths:
+// shading binds paths, shadow rays, radiance and queues. Vulkan guarantees as many. SHADING_STORAGE
+// adds all buffers of the scene except the nodes, which are bound if scenes are not read as texels.
 #define STATE_STORAGE 4
 #define SHADING_STORAGE (BINDING_TEXELS + STATE_STORAGE)
 
@@ -92,7 +92,7 @@ void specialization_suspend(struct specialization *s);
 void specialization_count_steps(struct specialization *s, bool on);
 
 // Returns *s with one more bit of a constant, and with all changes that follow from it, as if the
-// scene needed it. constant: CONSTANT_FEATURES, _GEOMETRY, _PARTS, _LOBES or _EMITTERS.
+// scene needed that bit. constant: CONSTANT_FEATURES, _GEOMETRY, _PARTS, _LOBES or _EMITTERS.
 struct specialization specialization_with(const struct specialization *s, uint32_t constant,
                                           uint32_t bit);
 

@@ -81,7 +81,7 @@ static bool add_splats(struct wave_loop *l, struct err *err)
     const struct wave *own = l->wave;
     struct wave range = *own;
     bool ok = true;
-    l->wave = &range; // bound by new submissions
+    l->wave = &range; // new submissions bind its film chunk
     for (range.film_chunk = 0; ok && range.film_chunk < r->plan.film_chunks; range.film_chunk++) {
         gpu_bind(r->gpu, &r->commands, &r->bindings[range.film_chunk]);
         r->push.film_first_pixel = (uint32_t)(range.film_chunk * r->plan.film_chunk_pixels);
@@ -441,7 +441,7 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave 
         !record_run(r, err))
         return false;
     pace_end_wave(&r->pace, &r->plan);
-    *voided = r->counters->unfinished != 0; // accumulate has not changed the film then
+    *voided = r->counters->unfinished != 0; // the kernel accumulate has then not changed the film
     if (*voided) {
         r->stats.voided_waves++;
         return true;

@@ -48,9 +48,9 @@ struct wave_step {
 };
 typedef bool (*wave_step_fn)(void *context, const struct wave_step *step, struct err *err);
 struct wave_observer {
-    // The loop calls them before and after each kernel; they may be NULL. All earlier results are
-    // then in memory, and the counters were read back. For prepare_dispatch only `before` is
-    // called, at the beginning of a bounce. If a callback returns false, the wave ends.
+    // The loop calls these functions before and after each kernel; they may be NULL. All earlier
+    // results are then in memory, and the counters were read back. For prepare_dispatch only
+    // `before` is called, at the beginning of a bounce. If a callback returns false, the wave ends.
     wave_step_fn before, after;
     void *context;
 };

@@ -1,19 +1,19 @@
 #include "render/wave_size.h"
 
-// The number of samples in a stretch, at least those of one wave of the largest size, so that all
-// stretches render the same number.
+// The number of samples in a stretch. One wave of the largest size has as many, so that stretches
+// of all sizes render the same number of samples.
 #define STRETCH_SAMPLES WAVE_SIZE_MOST
 // The number of samples in the first waves. On two cores, 64k was the best or nearly the best size
 // for five scenes (docs/performance.md).
 #define USUAL (1u << 16)
-// The factor between two sizes. With a smaller one, noise would hide differences in speed.
+// The factor between two sizes. With a smaller factor, noise would hide differences in speed.
 #define STEP 4u
-// Another size replaces the current one if its rays took less than this fraction of the time: at
-// equal speed there is no reason to change.
+// The size on trial replaces the current one if its time per ray is below this fraction of the
+// current size's. At equal speed there is no reason to change.
 #define GAIN 0.98
 // The number of stretches between two trials: at first, and after many trials without success. In
-// the latter case trials are a fiftieth of all stretches, and a third of their stretches has the
-// slower size.
+// the latter case one stretch in 51 has the slower size: one of the three stretches of a trial,
+// which follow 48 others.
 #define FIRST_PAUSE 1u
 #define LONGEST_PAUSE 48u
 

@@ -28,7 +28,8 @@ double emitter_area(const struct renderer *r, struct emitter_part part, const do
 // directions for infinitely far parts.
 void emitter_place(const struct renderer *r, struct emitter_part part, const double direction[3],
                    uint32_t number, uint32_t count, double out[3]);
-// Returns the fraction of samples that hit the part if it is blended with its background.
+// Returns the fraction of rays that the part stops: its opacity if its material has blended alpha,
+// else 1.
 double emitter_opacity(const struct renderer *r, struct emitter_part part);
 // Returns the part's radiance, limited to the scene's clamp_limit. If the part has a texture, its
 // brightest texel counts.

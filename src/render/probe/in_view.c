@@ -14,14 +14,15 @@
 static const double part_max = 5;
 
 // For pixels within this distance, in pixels, of an emitter's centre, the part of each pixel that
-// it covers is computed separately.
+// the emitter covers is computed separately.
 static const double split_reach = 2;
 
-static const double texel_excess = 16; // texels count from this multiple of the median texel on
+static const double texel_excess = 16; // a texel counts as an emitter from this multiple of the
+                                       // median texel on
 
 // With these limits, 2 * 10^5 emitters take about 0.3 s on a CPU.
 enum {
-    LIGHTS_MAX = 1 << 14, // the number of pixels kept, the brightest ones
+    LIGHTS_MAX = 1 << 14, // maximum number of pixels kept; they are the brightest
     FEW_LIGHTS = 4096,
     PROBES = 16,            // rays to each of at most FEW_LIGHTS groups
     PROBES_OF_MANY = 4,     // rays to each group if there are more
@@ -525,7 +526,7 @@ static bool probe_all(struct renderer *r, struct search *search, struct group **
     return ok;
 }
 
-// Traces few rays to each group first, and then many to those groups that none of them has reached:
+// Traces few rays to each group first, and then many to the groups that no ray has reached, because
 // a sun may be visible through a small gap between leaves.
 static bool probe_twice(struct renderer *r, struct search *search, struct group **groups,
                         struct err *err)

@@ -153,7 +153,7 @@ static bool check_memory(const struct renderer *r, struct kernel_recording *rec,
                    r->gpu->info.name, memory_print(free).text);
 }
 
-// Copies the buffers that the kernel writes. No commands may be in the process of being recorded.
+// Copies the buffers that the kernel writes. Call it while no commands are being recorded.
 static bool keep(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (!check_memory(r, rec, err))
@@ -222,7 +222,7 @@ static bool check_finished(const struct renderer *r, struct err *err)
                    r->specialization.iteration_budget);
 }
 
-// The callbacks end the wave at the step to be recorded by failing without an error.
+// The callbacks fail without an error in order to end the wave at the step that is recorded.
 static bool before(void *context, const struct wave_step *step, struct err *err)
 {
     struct recording *c = context;

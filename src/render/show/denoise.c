@@ -103,7 +103,7 @@ static void finish_kernels(struct denoiser *d)
 }
 
 // Returns whether inputs are gathered by two kernels. One kernel would bind more storage buffers
-// than Vulkan guarantees, unless images are read as texels; no other kernel does.
+// than Vulkan guarantees, unless images are read as texels; no other kernel binds so many.
 static bool gathers_in_two(const struct denoiser *d)
 {
     return d->gpu->storage_count < DENOISE_GATHER_STORAGE;
@@ -508,7 +508,7 @@ bool denoiser_run(struct denoiser *denoiser, const struct denoise_call *call, st
 
 bool denoiser_keep(struct denoiser *denoiser, const struct denoise_call *call, struct err *err)
 {
-    struct gpu_film_pixel first; // the pixel that has a sample before all others do
+    struct gpu_film_pixel first; // the first pixel, which gets a sample before all others
     if (!gpu_download(denoiser->gpu, &call->renderer->film[0], 0, &first, sizeof first, err))
         return false;
     if (first.samples == 0)

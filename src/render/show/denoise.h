@@ -34,9 +34,10 @@ struct denoiser {
 // An object that has moved since the history was made, identified by its primitives and instance in
 // the current flat scene.
 struct denoise_motion {
-    uint32_t first_primitive, primitive_count; // shapes with PRIMITIVE_SHAPE
+    uint32_t first_primitive, primitive_count; // for shapes, first_primitive includes
+                                               // PRIMITIVE_SHAPE
     uint32_t instance;                         // NO_INSTANCE: the primitives are in world space
-    double to_past[3][4]; // maps its points to their former positions, in world space
+    double to_past[3][4]; // maps the object's points to their former positions, in world space
 };
 
 struct denoise_call {
@@ -45,8 +46,8 @@ struct denoise_call {
     uint32_t iterations;             // levels of the wavelet filter, 1 to 5; 0: 5
     bool temporal; // reprojects the history if the camera moved; false: uses the film alone
     // The scene has changed since the history was made. The history then only counts in pixels in
-    // which its light still agrees with that of the film. Objects that have moved carry their
-    // history along; at most DENOISE_MOTIONS_MAX of them.
+    // which its light still agrees with that of the film. `motions` lists the objects that have
+    // moved, at most DENOISE_MOTIONS_MAX; their history moves with them.
     bool has_changed;
     const struct denoise_motion *motions;
     uint32_t motion_count;

@@ -1,6 +1,6 @@
 // Drawing has three steps: display_read turns a film into a linear image of the same size,
 // display_scale scales that to its size on the screen, and display_show converts it to colours. A
-// step that would change nothing is left out. The buffers of a film that has several are read and
+// step that would change nothing is left out. If a film has several buffers, they are read and
 // scaled one after the other.
 #include "render/show/denoise.h"
 #include "render/show/display_internal.h"

@@ -10,7 +10,7 @@ enum display_code { DISPLAY_READ, DISPLAY_SCALE, DISPLAY_SHOW, DISPLAY_RANGE, DI
 #define DISPLAY_KERNELS 32u // maximum number of kernels that are kept
 #define DISPLAY_SETS 32u    // maximum number of sets in one submission
 
-// A linear image: see shared/display.h. Its buffer may be larger.
+// A linear image: see shared/display.h. Its buffer may be larger than the image.
 struct linear {
     struct gpu_buffer buffer;
     uint32_t width, height;
@@ -80,7 +80,7 @@ bool display_scale(struct display *display, const struct linear *from,
                    struct err *err);
 
 // --- display_range.c -----------------------------------------------------------------------------
-// Finds the range of the values in the images that are shown; *low < *high.
+// Finds the range of the values in the images that are shown; range[0] < range[1].
 bool display_find_range(struct display *display, uint32_t shown,
                         const struct linear *const pictures[2], uint32_t count, double range[2],
                         struct err *err);

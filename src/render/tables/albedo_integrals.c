@@ -87,7 +87,8 @@ static void find_visible_normals(struct visible_normals *n, double mu, double ph
     }
 }
 
-// The axes of lib/albedo.glsl: these functions map a coordinate in [0, 1] to a parameter.
+// The following functions map a coordinate in [0, 1] along an axis of lib/albedo.glsl to a
+// parameter.
 static double axis_alpha(double y)
 {
     double root4 = 0.1 + 0.9 * y;
@@ -249,7 +250,7 @@ static double interface_albedo(const struct interface *s, double circle, int row
     return sum;
 }
 
-// Returns this energy for an isotropic interface, for which half of the circle suffices.
+// Returns interface_albedo() of an isotropic interface, for which half of the circle suffices.
 static double isotropic_albedo(double mu, double alpha, double eta, bool is_clear)
 {
     // At grazing angles total reflection ends along a line across the visible normals. With half as

@@ -31,7 +31,8 @@ bool alias_table_build(const double *weights, uint32_t count, struct arena *scra
         }
     }
     // The remaining bins are full, up to rounding errors. Rounding may have used up the partner of
-    // a bin of weight 0 and left the bin with a positive threshold: it must not select itself then.
+    // a bin of weight 0 and left the bin with a positive threshold: such a bin must not select
+    // itself.
     while (large_count) {
         uint32_t i = large[--large_count];
         bins[i] = (struct alias_bin){1.0f, i};

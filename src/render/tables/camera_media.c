@@ -90,8 +90,8 @@ static bool is_inside_field(const double origin[3], const struct flat_shape *sha
     return sdf_evaluate(sdf, p) < 0.0;
 }
 
-// As crossing(), for the plane of a shape at distance t; its front side is in the direction of the
-// normal.
+// Returns what crossing() returns, for the plane of a shape at distance t. The plane's front side
+// is in the direction of the normal.
 static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
 {
     return !hit || !(t > 0.0) ? 0 : vec3_dot(direction, normal) > 0.0 ? 1 : -1;
@@ -200,8 +200,8 @@ static void visit_primitive(void *context, uint32_t primitive)
         probe_instance(v, &v->p->flat->instances[primitive & BVH_LEAF_INDEX]);
 }
 
-// Returns whether a triangle has several entries in the leaf order, so that it would be visited
-// several times; the tree is not used then.
+// Returns whether some triangle has several entries in the leaf order. The tree is then not used,
+// because it would visit such a triangle several times.
 static bool is_split(const struct bvh *bvh)
 {
     return bvh->reference_count > bvh->triangle_count;

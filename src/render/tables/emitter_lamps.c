@@ -136,7 +136,7 @@ static double diagonal(const struct bounds *b)
 }
 
 // Returns whether all triangles are small relative to the lamp: compares the longest diagonal of a
-// triangle's bounds with that of the bounds of all of them.
+// triangle's bounds with the diagonal of the bounds of all triangles.
 static bool are_small_in_lamp(const struct search *s)
 {
     struct bounds all = BOUNDS_EMPTY;

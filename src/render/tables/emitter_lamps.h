@@ -11,8 +11,9 @@
 
 struct emitter_lamps {
     uint32_t count;
-    // True if there is a single lamp whose triangles are small: the diagonal of each one's bounds
-    // is less than half of that of the lamp's. The triangles of quads and boxes are not small.
+    // True if there is a single lamp whose triangles are small: the diagonal of each triangle's
+    // bounds is less than half the diagonal of the lamp's bounds. The triangles of quads and boxes
+    // are not small.
     bool is_spread;
     // The lamp of each emissive triangle, and the number of these lamps. Triangles are the first
     // emitters.

@@ -372,8 +372,8 @@ static void bound_shape(const struct flat_shape *shape, struct light_bounds *out
     out->two_sided = is_flat;
 }
 
-// Returns the angle by which a spot light's cone is wider than its full-intensity part, widened by
-// 1e-3 for rounding.
+// Returns the angle in radians, widened by 1e-3 for rounding, by which a spot light's cone is wider
+// than its full-intensity part.
 static double spot_fall(const struct light *light)
 {
     return fmin((double)light->outer_angle - (double)light->inner_angle + 1e-3, 0.5 * M_PI);

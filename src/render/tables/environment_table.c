@@ -34,9 +34,9 @@ static uint64_t table_words(uint32_t bins)
 }
 
 // Distributes the numbers below END among the bins: one to each bin of positive weight, the rest in
-// proportion. Thresholds are computed from running sums, so that the error of a bin is one
-// rounding, not the sum of all. Replaces the weights by the resulting probabilities; these are all
-// 0 if all weights are 0.
+// proportion to the weights. Thresholds are computed from running sums, so that the error of a bin
+// is one rounding, not the sum of all. Replaces the weights by the resulting probabilities; these
+// are all 0 if all weights are 0.
 static void deal(double *weights, uint32_t bins, uint32_t *thresholds)
 {
     double total = 0.0, sum = 0.0;

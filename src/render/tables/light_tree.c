@@ -10,8 +10,8 @@
 #define BUCKETS 12
 #define FEW 32 // ranges of up to this many emitters use FEW_BUCKETS
 #define FEW_BUCKETS 4
-// Splits of larger ranges are evaluated with a sample of about this many items. Ranges of fewer
-// than HALVED items are halved.
+// Splits of ranges with more than JUDGED items are evaluated with a sample of about JUDGED items.
+// Ranges of fewer than HALVED items are halved.
 #define JUDGED 1024
 #define HALVED 4
 // Maximum depth: the number of bits of a trail.
@@ -63,8 +63,8 @@ static double angle_between(const double a[3], const double b[3])
     return atan2(vec3_norm(normal), vec3_dot(a, b));
 }
 
-// Replaces a cone by the smallest cone that contains both (Pharr, Jakob, Humphreys 2023, section
-// 3.8.4). The axis of a two-sided emitter may be reversed first.
+// Replaces the cone of *a by the smallest cone that contains the cones of *a and *b (Pharr, Jakob,
+// Humphreys 2023, section 3.8.4). The axis of a two-sided emitter may be reversed first.
 static void join_cones(struct light_bounds *a, const struct light_bounds *b)
 {
     double other[3], angle;
