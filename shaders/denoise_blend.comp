@@ -193,7 +193,7 @@ const float SAMPLES_LEAST = 4.0;
 float history_trust(uint index)
 {
     vec4 means = load_difference(index); // means of the difference, of its square, and of 1 where
-                                         // both are known; sum of the squared weights
+                                         // film and history are known; sum of the squared weights
     float count = means.z * means.z / (PIXELS_TOLD * means.w);
     if (!(count >= PIXELS_LEAST))
         return 0.0;
@@ -203,9 +203,9 @@ float history_trust(uint index)
 }
 
 // Returns the variance of the difference between the means of the history and of the film, as a
-// multiple of the variance of one sample. `overlap` is the covariance of the two means as such a
-// multiple. It is not 0 if both use the same random numbers for the same pixel, because the smaller
-// set of samples is then a subset of the larger one.
+// multiple of the variance of one sample. `overlap` is the covariance of the two means, also as a
+// multiple of that variance. It is not 0 if both means use the same random numbers for the same
+// pixel, because the smaller set of samples is then a subset of the larger one.
 float new_part(past before, float samples, float overlap)
 {
     return 1.0 / samples + before.squares / before.samples - 2.0 * overlap;

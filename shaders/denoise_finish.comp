@@ -43,10 +43,10 @@ void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
 }
 
 // Returns the weight of the filtered light, 0 to 1, judged by the surrounding pixels together and
-// by the pixel alone. For filtered light f and unfiltered light p, the mean of (f - p)^2 over the
-// surrounding pixels is V + b^2, which gives the bias b. `worth` is this pixel's number of samples,
-// including those of the history; a pixel that has just come into view has few. V is scaled to this
-// number.
+// by the pixel alone. Let f be the filtered light, with bias b, and p the unfiltered light, with
+// variance V. The mean of (f - p)^2 over the surrounding pixels is V + b^2, which gives b. `worth`
+// is this pixel's number of samples, including those of the history; a pixel that has just come
+// into view has few. V is scaled to this number.
 float trust(ivec2 pixel, vec2 own, float samples, float worth)
 {
     vec3 sum = vec3(0.0);

@@ -11,8 +11,8 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_DENOISED) readonly buffer deno
     vec4 denoised[];
 };
 layout(std430, set = 0, binding = DISPLAY_BINDING_SOURCES) readonly buffer sources_block {
-    uint sources[]; // triangles that precede dropped ones, first triangles of instances and meshes,
-                    // instances of placed meshes
+    uint sources[]; // the triangle after each dropped one; the first triangle of each instance and
+                    // mesh; the scene's instance of each placed mesh
 };
 layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block {
     vec4 to_pixels[];

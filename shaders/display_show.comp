@@ -20,7 +20,7 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block 
 
 const float PALETTE_LAST = 256.0;
 
-// Returns the value divided by its weight, and the weight.
+// Returns a pixel of a linear image: the value times its weight, and the weight.
 vec4 picture_value(uint pixel, bool second)
 {
     vec4 value = load_left(pixel);
@@ -47,7 +47,7 @@ vec3 false_color(float value, float share)
     return share * srgb_from_linear(load_palette(uint(level * PALETTE_LAST + 0.5)).rgb);
 }
 
-// Returns display values.
+// Returns the displayed colour of a pixel of a linear image.
 vec3 color_of(vec4 value)
 {
     if (!(value.w > 0.0))

@@ -8,7 +8,7 @@
 
 // Returns the opacity at the point where a ray hits a primitive, from its material, textures and
 // vertex colours. The point on a triangle is given by the barycentric coordinates of corners 1 and
-// 2; that on a shape by `point`, with the data of struct crossings in place of the barycentrics.
+// 2; a point on a shape by `point`, with the data of struct crossings in place of the barycentrics.
 float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word)
 {
     surface s;

@@ -84,7 +84,7 @@ float tries_scale(float survival)
     return product;
 }
 
-// Returns the uniforms of the next try, from those of this one.
+// Returns the uniforms of the next try, computed from those of the present try.
 vec4 try_again(vec4 u)
 {
     return to_uniforms(pcg4d(floatBitsToUint(u)));
@@ -166,8 +166,8 @@ vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, 
     return vec3(visible * ggx_g1(wi, alphas) / refraction_divisor(eta));
 }
 
-// Makes one try. `unshadowed` is the probability that no other microfacet shadows the sampled
-// direction; if normals are sampled by D, it is a weight instead.
+// Makes one try to sample the rough interface. `unshadowed` is the probability that no other
+// microfacet shadows the sampled direction; if normals are sampled by D, it is a weight instead.
 bsdf_sample try_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, bool separable,
                                  vec4 u, out float unshadowed)
 {

@@ -137,7 +137,8 @@ vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out precise float pdf)
     return through * unshadowed;
 }
 
-// Evaluates the diffuse lobe without the weights of the layers above and without `below`.
+// Evaluates the diffuse lobe without the weights of the layers above and without the factor
+// p.below.
 vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     pdf = pdf_cosine_hemisphere(wi.z);

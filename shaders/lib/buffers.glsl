@@ -1,5 +1,5 @@
-// Owns the bindings. All reads of scene data and path state use load_*(), which is specialized to
-// read a storage buffer or to fetch the same four words as a texel.
+// Declares the bindings. All reads of scene data and path state use load_*(), which is specialized
+// to read a storage buffer or to fetch the same four words as a texel.
 #ifndef BUFFERS_GLSL
 #define BUFFERS_GLSL
 

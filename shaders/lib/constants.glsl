@@ -52,7 +52,7 @@ layout(constant_id = CONSTANT_WINDOW) const uint WINDOW = 0u;
 #define HAS_AOV(aovs) ((AOVS & (aovs)) != 0u)
 
 // The bound of one relative rounding error, as in Higham 2002, section 2.2: half a unit in the last
-// place of 1, or a whole one if the device does not promise to round sums and products to nearest.
+// place of 1, or a whole unit if the device does not promise to round sums and products to nearest.
 #define ROUNDING_OF_NEAREST 5.9604644775390625e-8
 #define ROUNDING_OF_ANY 1.1920928955078125e-7
 #define IS_NEAREST (ROUNDING_MODE == ROUNDING_NEAREST)

@@ -1,4 +1,4 @@
-// Owns the bindings of the denoiser's kernels, and assigns pixels to threads.
+// Declares the bindings of the denoiser's kernels, and assigns pixels to threads.
 #ifndef DENOISE_GLSL
 #define DENOISE_GLSL
 

@@ -1,4 +1,4 @@
-// Defines functions that the kernels of the displayed image share. Owns the bindings of their
+// Defines functions that the kernels of the displayed image share. Declares the bindings of their
 // linear images.
 #ifndef DISPLAY_GLSL
 #define DISPLAY_GLSL

@@ -81,7 +81,8 @@ vec3 sample_whole_shape(shape_record shape, vec2 u, out vec2 at)
     return shape.center + p.from_center;
 }
 
-// Starts on a triangle or a shape. u: selects the point; u_direction: direction x, y, and side.
+// Starts a light path on a triangle or a shape. u: selects the point; u_direction: direction x, y,
+// and side.
 void start_on_surface(vec2 u, vec4 u_direction, inout light_start l)
 {
     bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) && IS_SHAPE(l.primitive);
@@ -110,9 +111,9 @@ void start_on_surface(vec2 u, vec4 u_direction, inout light_start l)
     l.power = radiance / l.second;
 }
 
-// Starts on the disc in front of the scene. pdf: the probability of selecting the emitter times, if
-// it is not a delta light, the density per solid angle of the direction. density: the disc's area /
-// pdf; 0 for a delta light, which camera paths cannot hit.
+// Starts a light path on the disc in front of the scene. pdf: the probability of selecting the
+// emitter times, if it is not a delta light, the density per solid angle of the direction. density:
+// the disc's area / pdf; 0 for a delta light, which camera paths cannot hit.
 void start_far(vec3 towards, vec3 radiance, float pdf, float density, vec2 u, inout light_start l)
 {
     float area = PI * frame.scene_radius * frame.scene_radius;
@@ -126,7 +127,7 @@ void start_far(vec3 towards, vec3 radiance, float pdf, float density, vec2 u, in
     l.valid = pdf > 0.0;
 }
 
-// Starts at a delta light, or at a sun.
+// Starts a light path at a delta light or a sun.
 void start_at_light(vec2 u, vec2 u_direction, inout light_start l)
 {
     uint light = l.primitive & ~PRIMITIVE_LIGHT;

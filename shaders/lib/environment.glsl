@@ -31,8 +31,8 @@ float versine_turns(float turns)
 
 // --- cells between the centres of texels ---------------------------------------------------------
 
-// A position in a cell. Rows of cells are counted from the zenith, or from the nearer pole, so that
-// small angles from it are accurate; `part` is then measured from that pole, too.
+// A position in a cell. Rows of cells are counted from the zenith. node_versine() and cell_part()
+// count them from the nearer pole, so that small angles from the pole are accurate.
 struct environment_place {
     uvec2 cell;
     vec2 part;  // fraction of the way to the right and to the next row, by angle
@@ -111,7 +111,7 @@ float cell_density(environment_cell c, vec4 luminances, float right, float down)
 {
     vec2 across = mix(luminances.xz, luminances.yw, right);
     float mean = 0.25 * (luminances.x + luminances.y + luminances.z + luminances.w);
-    // This order of operations avoids underflow, which some devices flush to 0.
+    // This order of operations avoids subnormal results, which some devices flush to 0.
     return mean > 0.0 ? c.upper_left.a * (mix(across.x, across.y, down) / mean) : 0.0;
 }
 
@@ -200,8 +200,8 @@ vec3 environment_direction(bool below, float versine, float turns)
     return vec3(around.x, below ? versine - 1.0 : 1.0 - versine, around.y);
 }
 
-// Returns a direction in a texel; `within` are fractions of the way through it, uniform by solid
-// angle.
+// Returns a direction in a texel; `within` are fractions of the way through the texel, uniform by
+// solid angle.
 vec3 direction_in_texel(uvec2 texel, vec2 within, uvec2 size)
 {
     // Angles are measured from the nearer pole, so that small ones are accurate.

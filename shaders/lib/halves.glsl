@@ -1,5 +1,5 @@
-// Divides samples between the two half-buffers, from which the error is estimated. Returns the
-// sequence of a sample, and its index in that sequence. render/film.c implements the same rule.
+// Divides samples between the two half-buffers, from which the error is estimated, and finds the
+// sequence of a sample and its index in that sequence. render/film.c implements the same rule.
 #ifndef HALVES_GLSL
 #define HALVES_GLSL
 
@@ -16,8 +16,8 @@ sequence_place place_in_sequence(uint sample_index)
     if (HALVES == HALVES_CONTIGUOUS)
         return sequence_place(0u, sample_index, frame.samples);
     uint parity = sample_index & 1u;
-    // With a single sample, none is planned for the second half, but it may receive more samples
-    // than planned.
+    // If a single sample is planned, the second half has a count of 1 rather than 0, because it may
+    // receive samples beyond the plan.
     uint count = max(frame.samples / 2u + (frame.samples & ~parity & 1u), min(frame.samples, 1u));
     return sequence_place(parity, sample_index >> 1u, count);
 }
@@ -32,7 +32,7 @@ uint half_of_sample(uint samples)
     return samples & 1u;
 }
 
-// Returns which of a pixel's next `count` samples a half receives if the film has `samples`
+// Returns which of a pixel's next `count` samples half `number` receives if the film has `samples`
 // samples: from x to before y, in steps of z.
 uvec3 samples_of_half(uint samples, uint count, uint number)
 {

@@ -9,7 +9,7 @@
 // order no digits are lost if an instance is small and far from the world's origin.
 struct instance_inverse {
     vec3 place;
-    mat3 rows; // rows of the matrix, as columns of this one
+    mat3 rows; // the rows of the matrix, stored as columns
 };
 
 uint instance_at(uint instance)

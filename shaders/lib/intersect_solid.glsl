@@ -2,8 +2,8 @@
 //
 // A ray that starts on such a shape either leaves it for good or passes through it, and rounding
 // must not decide which. The ray starts on each face whose distance is within the error of the
-// starting point. A ray that leaves through one of these faces hits nothing; a ray that enters does
-// not hit any of them. When a ray starts, its origin is moved to the side to which it goes
+// starting point. A ray that leaves through one of these faces hits nothing; a ray that enters hits
+// none of them. When a ray starts, its origin is moved to the side to which it goes
 // (lib/ray_offset.glsl); that side decides if the direction is too close to parallel to a face.
 #ifndef INTERSECT_SOLID_GLSL
 #define INTERSECT_SOLID_GLSL

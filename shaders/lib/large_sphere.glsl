@@ -1,5 +1,5 @@
 // Intersects rays with spheres whose quadratic equation needs more than single precision. For a
-// ground of radius 1e6 m, seen from a height of 2 m, its constant term is the difference of two
+// ground of radius 1e6 m, seen from a height of 2 m, the constant term is the difference of two
 // numbers of 1e12 m^2. All functions are pure.
 #ifndef LARGE_SPHERE_GLSL
 #define LARGE_SPHERE_GLSL

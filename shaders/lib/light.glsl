@@ -238,7 +238,7 @@ light_choice choose_light(receiver r, vec2 u)
     return light_choice(own ? emitter.y : emitter.z, 1.0 / float(frame.emitter_count), false);
 }
 
-// Samples a point on an emitter. A pdf of 0 means that no emitter can be connected to.
+// Samples a point on an emitter. A pdf of 0 means that there is no emitter to connect to.
 light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
 {
     light_sample l;

@@ -132,7 +132,7 @@ uint choose_below(uint child, receiver r, uvec2 number, inout float width)
     return child & ~LIGHT_LEAF;
 }
 
-// Follows the trail of an emitter from this child, at this level, to its end, and returns the width
+// Follows the trail of an emitter from `child`, at level `level`, to its end, and returns the width
 // with which choose_below() would end there.
 float width_below(uint child, uint level, uvec4 trail, receiver r, float width)
 {

@@ -16,7 +16,7 @@ struct light_sample {
                 // probability
     bool infinite;     // infinitely far away, whatever the length of to_light
     uint material;     // material word of a primitive
-    vec2 barycentrics; // of the point on a triangle; for a shape see struct crossings
+    vec2 barycentrics; // coordinates of the point on a triangle; for a shape see struct crossings
 };
 
 float pdf_area_to_solid_angle(float density, float distance, float cos_light)

@@ -1,5 +1,5 @@
 // Decides which vertices of a path send shadow rays. The MIS weights of scattered rays depend on
-// it.
+// this decision.
 #ifndef NEE_GLSL
 #define NEE_GLSL
 

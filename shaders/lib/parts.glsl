@@ -1,4 +1,4 @@
-// Reads the parts of long buffers beyond the range of a storage buffer. Owns their bindings.
+// Reads the parts of long buffers beyond the range of a storage buffer. Declares their bindings.
 #ifndef PARTS_GLSL
 #define PARTS_GLSL
 

@@ -1,4 +1,4 @@
-// Places a sample in its pixel's filter, in ways other than the sampler's.
+// Places a sample in its pixel's filter, by strategies other than the sampler's.
 #ifndef PIXEL_SAMPLING_GLSL
 #define PIXEL_SAMPLING_GLSL
 

@@ -6,7 +6,8 @@
 #include "shared/types.h"
 
 // True if a primitive's word, or the word of a leaf that is not an instance, refers to a shape
-// instead of triangles. These are macros, so that constant arguments give constant results.
+// instead of triangles. The tests in this file are macros, so that constant arguments give constant
+// results.
 #define IS_SHAPE(word)                                                                             \
     (HAS_GEOMETRY(GEOMETRY_SHAPES) &&                                                              \
      (HAS(FEATURE_TRIANGLES) ? ((word)&PRIMITIVE_SHAPE) != 0u : true))

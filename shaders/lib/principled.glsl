@@ -1,6 +1,6 @@
 // Computes the parts of the principled model that depend only on the material and on wo: the
-// weights of the layers and the probabilities of the lobes. Only lib/bsdf_principled.glsl includes
-// this file.
+// weights of the layers and the probabilities of the lobes. Symbols in comments, such as E_d, S and
+// C, are those of docs/materials.md. Only lib/bsdf_principled.glsl includes this file.
 #ifndef PRINCIPLED_GLSL
 #define PRINCIPLED_GLSL
 

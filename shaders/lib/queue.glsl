@@ -1,4 +1,5 @@
-// Owns the queues: compact arrays of slot indices with a count (counters.queue).
+// Reads queues and appends to them. A queue is a compact array of slot indices with a count
+// (counters.queue).
 #ifndef QUEUE_GLSL
 #define QUEUE_GLSL
 
@@ -37,7 +38,7 @@ uint item_count()
     return min(items, push.first_item + push.part_items);
 }
 
-// Queues that the scene does not need have no memory, so those with higher numbers move down.
+// Queues that the scene does not need have no memory, so queues with higher numbers move down.
 uint queue_index(uint queue, uint item)
 {
     uint row = uint(bitCount(QUEUES & ((1u << queue) - 1u)));

@@ -30,7 +30,7 @@ ray_onwards scatter(inout vertex v, vec3 direction, bool passes, uint stack, vec
     if (HAS(FEATURE_MEDIA) && b.transmitted)
         r.media = v.media.stack_beyond;
     v.throughput *= b.weight;
-    // Delta samples have no density, and continue.
+    // Delta samples have no density, so this limit does not end them.
     if (HAS(FEATURE_MIN_DENSITY) && r.valid && r.pdf > 0.0 && r.pdf < frame.min_density) {
         atomicAdd(counters.sparse, 1u);
         r.valid = false;

@@ -9,7 +9,7 @@
 // enters the box, so that their rounding errors are relative to the box, not to the distance of the
 // ray's origin.
 struct sdf_ray {
-    vec3 entry, direction; // unit
+    vec3 entry, direction; // direction: unit
     float begin, end;      // distances from the origin to where the ray enters and leaves the box
     float per_metre;       // units of t per metre
 };
@@ -40,8 +40,8 @@ sdf_ray sdf_ray_create(trace_ray ray, sdf_field f, float t_max)
 // inside its own rounding error.
 const float SDF_NEAR = 64.0;
 
-// Marches from `march` to the nearest crossing of the surface of shape `index` before t_max;
-// returns its distance in t, or a negative number. Returns false if the iteration budget is used up
+// Marches from `march` to the nearest crossing of the surface of shape `index` before t_max; stores
+// its distance, or a negative number, in `t`. Returns false if the iteration budget is used up
 // before; `march` is then the position reached: metres from where the ray entered the box, with the
 // sign of the field there. It is 0 at the beginning, and when the march is complete.
 //

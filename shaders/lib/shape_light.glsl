@@ -79,7 +79,7 @@ float shape_area_seen(shape_record shape, vec3 direction)
 
 #define EMITTERS_CONVEX (EMITTER_BOXES | EMITTER_CYLINDERS)
 
-// Returns whether the shape is a box or a closed cylinder; these may emit.
+// Returns whether the shape is a box or a closed cylinder that may emit.
 bool is_convex_light(uint kind)
 {
     return (HAS_EMITTER(EMITTER_BOXES) && kind == SHAPE_KIND_BOX) ||
@@ -217,8 +217,8 @@ vec3 around(vec3 x, vec3 y, float turns)
     return v.x * x + v.y * y;
 }
 
-// Returns the point of a cylinder's side that has the area `pick` of the visible area `side` below
-// it.
+// Returns the point of a cylinder's side below which the area `pick` of the visible area `side`
+// lies.
 shape_point side_point(shape_record shape, vec3 outwards, float pick, float side)
 {
     float along = min(2.0 * pick / side - 1.0, 1.0);

@@ -51,8 +51,8 @@ void place_on_disc(shape_record shape, inout surface s)
         s.tangent = vec4(basis[0], 1.0);
 }
 
-// A plane shows an image on every square metre. `center` is the lower left corner of one of them,
-// and their lower edges are along `right`.
+// A plane shows an image on every square metre. `center` is the lower left corner of one image, and
+// the images' lower edges are along `right`.
 void place_on_plane(vec3 right, inout surface s)
 {
     vec3 f = (s.position - s.center) * frame.metre;
@@ -140,7 +140,7 @@ void surface_of_sphere(vec3 point, float radius, inout surface s)
 
 // Returns a bound on the error of points that were moved by `shift` to a face at `distance` from
 // the centre. The distance of the point from the centre along the normal has 10 roundings,
-// including those of the normal; that of the face has 8.
+// including those of the normal; the distance of the face has 8.
 vec3 error_of_face(vec3 point, vec3 center, vec3 shift, vec3 normal, float distance)
 {
     return GAMMA(16) * (abs(point) + abs(center) + abs(shift)) + GAMMA(8) * distance * abs(normal);
@@ -158,7 +158,7 @@ vec3 along_box(box_frame b, vec3 f)
     return vec3(dot(f, b.axis[0]), dot(f, b.axis[1]), dot(f, b.axis[2]));
 }
 
-// If rounding has moved the point beyond an edge, it is moved back.
+// A point that rounding has moved beyond an edge is moved back.
 void surface_of_box(vec3 point, shape_record shape, float face, inout surface s)
 {
     box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);

@@ -2,7 +2,7 @@
 // along Morton's curve (Morton 1966), so that neighbouring rays visit the same nodes. Three kernels
 // sort a queue by counting (Knuth 1973, section 5.2, algorithm D): sort_count, sort_scan and
 // sort_scatter. They write the sorted queue to the other queue of rays, which is empty until
-// shading fills it. Owns the counts and places, too.
+// shading fills it. Declares the binding of the counts and places.
 #ifndef SORT_GLSL
 #define SORT_GLSL
 

@@ -1,5 +1,5 @@
 // Adds contributions to arbitrary pixels of the film by atomic operations. The including kernel
-// owns the film's binding as film_words[], a writable buffer of uvec4. Two dispatches with a
+// declares the film's binding as film_words[], a writable buffer of uvec4. Two dispatches with a
 // barrier between them are necessary: in the first all splats claim their digits, in the second
 // they are added. Then neither their order nor their division into dispatches changes the bits of
 // the film. No other kernel may add to these pixels at the same time. A splat is not a sample, so

@@ -33,7 +33,7 @@ vec3 normalize_any(vec3 v)
 struct placement {
     bool exists;            // false: the triangle is in world space
     instance_inverse inverse;
-    mat3 rows;              // rows of the matrix to world space, as columns
+    mat3 rows;              // rows of the matrix to world space, stored as columns
     uvec4 words;
 };
 

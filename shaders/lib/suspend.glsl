@@ -1,5 +1,5 @@
-// Owns the buffer of suspended traversals: the state with which trace() continues in a later
-// dispatch.
+// Declares the buffer of suspended traversals, which has the state with which trace() continues in
+// a later dispatch.
 #ifndef SUSPEND_GLSL
 #define SUSPEND_GLSL
 

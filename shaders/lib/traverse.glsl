@@ -83,7 +83,8 @@ void trace_begin(out trace_state state)
     state = trace_state(0u, 1u, 0.0, NO_INSTANCE);
 }
 
-// A marker on the stack at the end of an instance's entries: the traversal returns to world space.
+// A marker on the stack at the end of an instance's entries, where the traversal returns to world
+// space.
 #define BVH_LEAVE 0xfffffffeu
 
 // The ray in the space of the current tree. Its direction is not normalised after the transform, so

@@ -1,6 +1,6 @@
 // Implements Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979):
-// converts materials to his model, and keeps the stack of rays that a path has yet to follow. Owns
-// that stack, which follows the shadow rays in their buffer.
+// converts materials to his model, and keeps the stack of rays that a path has yet to follow. The
+// stack follows the shadow rays in their buffer.
 #ifndef WHITTED_GLSL
 #define WHITTED_GLSL
 
@@ -13,7 +13,7 @@
 struct whitted_surface {
     vec3 diffuse;   // kd
     vec3 highlight; // ks
-    float exponent; // of the highlight
+    float exponent; // exponent of the highlight
     vec3 reflected; // kr
     vec3 refracted; // kt, including the scaling of radiance by refraction
     vec3 onwards;   // refracted direction in the local frame

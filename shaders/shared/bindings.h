@@ -61,7 +61,7 @@
 #define CONSTANT_GEOMETRY 20 // GEOMETRY_*
 #define CONSTANT_SDF 21      // SDF_*: operations in the scene's distance fields
 #define CONSTANT_PARTS 22
-#define CONSTANT_PART_SHIFT 23 // a part has 2^this uvec4 words
+#define CONSTANT_PART_SHIFT 23 // a part has 2^PART_SHIFT uvec4 words
 #define CONSTANT_ENVIRONMENT_FILTER 24
 #define CONSTANT_PIXEL_SAMPLING 25
 #define CONSTANT_LEAF_INDEX_BITS 26 // number of index bits in a triangle leaf's word: see bvh/bvh.h
@@ -111,15 +111,15 @@
 #define FEATURE_TANGENTS (1u << 21)
 #define FEATURE_COLORS (1u << 22) // vertex colours, which scale base colour and opacity
 #define FEATURE_ALPHA (1u << 23)  // some material has opacity < 1
-// These depend on the device rather than on the scene.
+// The following features depend on the device rather than on the scene.
 #define FEATURE_TEXEL_SCENE (1u << 24) // scene buffers are read as texel buffers
 #define FEATURE_TEXEL_STATE (1u << 25) // path state is read as texel buffers
 #define FEATURE_BALLOT (1u << 26)      // queue slots are reserved by subgroup ballot
-// This one depends on the dispatch: a traversal that exceeds its budget saves its state, and
-// continues later.
+// The following feature depends on the dispatch: a traversal that exceeds its budget saves its
+// state, and continues later.
 #define FEATURE_SUSPEND (1u << 27)
 #define FEATURE_STEPS (1u << 31) // steps of traversals are counted
-// These depend on the scene.
+// The following features depend on the scene.
 #define FEATURE_MEDIA (1u << 28) // some surfaces bound a medium: refraction, absorption
 #define FEATURE_NORMAL_MAPS (1u << 29)
 #define FEATURE_TILES (1u << 30) // tiles of the image have sample counts of their own
@@ -176,10 +176,10 @@
 #define AOV_VARIANCE (1u << 10)
 #define AOV_HALVES (1u << 11)
 #define AOV_ALPHA (1u << 12) // fraction of samples that hit a surface
-// This AOV is measured on camera rays.
+// The following AOV is measured on camera rays.
 #define AOV_STEPS (1u << 13) // nodes visited and primitives tested until the first hit
 #define AOV_END (1u << 14)
-// These bits are not AOVs but requests of --error-by, see aov.h.
+// The following bits are not AOVs but requests of --error-by, see aov.h.
 #define AOV_BY_PART (1u << 14)
 #define AOV_BY_BOUNCE (1u << 15)
 #define AOV_BY_EMITTER (1u << 16)

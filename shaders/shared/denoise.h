@@ -11,9 +11,8 @@
 // image of a plane (lib/denoise_view.glsl), or DENOISE_EMPTY for pixels without samples.
 #define DENOISE_GUIDES 1
 #define DENOISE_GUIDES_HISTORY 2
-// xyz: reflected light divided by the albedo, from the film and the history. w: the number of
-// samples to which it is equivalent: the variance of one sample divided by this number is that of
-// the mean.
+// xyz: reflected light divided by the albedo, from the film and the history. w: the equivalent
+// number of samples. The variance of one sample divided by this number is the variance of the mean.
 #define DENOISE_BLENDED 3
 #define DENOISE_BLENDED_HISTORY 4
 // xy: the change of the guide's depth to the next pixel in x and y. zw: the sum of squared

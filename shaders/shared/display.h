@@ -32,8 +32,9 @@
 #define SHOWN_LOGARITHMIC (SHOWN_BIT(SHOWN_DEPTH) | SHOWN_BIT(SHOWN_VARIANCE))
 
 // Storage buffers of the display's kernels. A linear image has a vec4 for each pixel: a value times
-// its weight, and the weight, which is 0 if the value is not known. For false colours: the value
-// times the fraction of samples that have one, that fraction, and 0.
+// its weight, and the weight, which is 0 if the value is not known. The value of a quantity in
+// false colours is a vector: the quantity times the fraction of samples that have it, that
+// fraction, and 0.
 #define DISPLAY_BINDING_FILM 0     // a chunk of the film
 #define DISPLAY_BINDING_DENOISED 1 // vec4 for each pixel of the film
 #define DISPLAY_BINDING_SOURCES 2  // tables by which objects of primitives are found: see display.c
@@ -94,9 +95,9 @@ struct gpu_display_push {
     uint to_width;
     uint first_row; // first row of TO
     uint is_added;  // 1: adds to the present contents
-    // For display_show.
+    // The members for display_show follow.
     uint width, height; // size of the whole output
-    uint left, top;     // position of the image in it
+    uint left, top;     // position of the image in the output
     uint picture_width, picture_height;
     uint split; // column of the image at which the second side begins
     float gain;

@@ -5,9 +5,9 @@
 // The range of single precision is divided into eight digits of 32 bits. The unit of digit d is
 // 2^(32 d - 127). A value has digit d if it is at least half a unit of digit d and less than half a
 // unit of digit d + 1; smaller values have digit -1. A sum has two bins: one for the highest digit
-// of any value so far, and one for the digit below. A value is rounded once to units of each, half
-// away from zero: the higher bin receives the value in units of its digit, the lower bin the
-// remainder in its own units. When a value with a higher digit arrives, bins whose digits have
+// of any value so far, and one for the digit below. A value is rounded once to the unit of each
+// bin, half away from zero: the higher bin receives the value in units of its digit, the lower bin
+// the remainder in its own units. When a value with a higher digit arrives, bins whose digits have
 // become too low are emptied. A value is 0 in units of digits above its own. So the final contents
 // of the bins depend only on the values and their highest digit.
 //

@@ -4,7 +4,7 @@
 
 // The models of materials.
 #define MATERIAL_LAMBERT 0u     // two-sided
-#define MATERIAL_MIRROR 1u      // perfect, of reflectance base_color, two-sided
+#define MATERIAL_MIRROR 1u      // perfect mirror of reflectance base_color, two-sided
 #define MATERIAL_PRINCIPLED 2u  // Burley 2012 and 2015, with the layers of glTF's extensions
 #define MATERIAL_DIELECTRIC 3u  // smooth, rough or thin, with one index of refraction
 #define MATERIAL_CONDUCTOR 4u   // smooth or rough, with a complex index (eta, k) for each channel
@@ -27,7 +27,7 @@
 #define MATERIAL_COMPENSATE (1u << 9)
 // Smith's masking-shadowing is separable instead of height-correlated.
 #define MATERIAL_SEPARABLE (1u << 10)
-#define MATERIAL_NORMAL_MAP (1u << 11) // one of its textures is a normal map
+#define MATERIAL_NORMAL_MAP (1u << 11) // one of the material's textures is a normal map
 #define MATERIAL_MEDIUM (1u << 12)     // encloses a medium: closed, refracting or absorbing
 #define MATERIAL_EMITS (1u << 13)      // emission may be above zero somewhere
 // Every crossing tints by base_color (glTF), not by its square root.
@@ -42,9 +42,11 @@
 #define DISTRIBUTION_PHONG 2u
 #define DISTRIBUTION_COUNT 3u
 #define MATERIAL_MASKING_SHIFT 18 // 3 bits
-#define MASKING_SMITH 0u          // that of the distribution (exact for GGX and Beckmann)
-#define MASKING_SCHLICK_GGX 1u    // k = alpha / 2
-#define MASKING_LH 2u // G / (4 n.l n.v) ~ 1 / (4 (l.h)^2), Kelemen and Szirmay-Kalos 2001
+#define MASKING_SMITH                                                                              \
+    0u                         // Smith's masking of the distribution (exact for GGX and
+                               // Beckmann)
+#define MASKING_SCHLICK_GGX 1u // k = alpha / 2
+#define MASKING_LH 2u          // G / (4 n.l n.v) ~ 1 / (4 (l.h)^2), Kelemen and Szirmay-Kalos 2001
 // Walter et al. 2007: Beckmann's rational G1; Phong's through a = sqrt(alpha_p / 2 + 1) /
 // tan(theta).
 #define MASKING_RATIONAL 3u
@@ -125,7 +127,7 @@
 
 // Classes of surfaces by the cost of shading; each has its own queue and kernel.
 #define CLASS_DIFFUSE 0u      // Lambert, mirror
-#define CLASS_PRINCIPLED 1u   // without transmission
+#define CLASS_PRINCIPLED 1u   // principled without transmission
 #define CLASS_TRANSMISSIVE 2u // dielectrics, principled with transmission
 #define CLASS_CLASSICAL 3u    // Phong, Blinn-Phong, microfacet, conductor
 #define CLASS_COUNT 4u
@@ -136,10 +138,10 @@
 #define LOBE_PRINCIPLED (1u << 2) // diffuse and specular reflection
 #define LOBE_METAL (1u << 3)      // metallic > 0 somewhere
 #define LOBE_SUBSURFACE (1u << 4)
-#define LOBE_SHEEN (1u << 5)   // Burley's
+#define LOBE_SHEEN (1u << 5)   // Burley's sheen
 #define LOBE_CHARLIE (1u << 6) // glTF's
 #define LOBE_CLEARCOAT (1u << 7)
-#define LOBE_TRANSMISSION (1u << 8) // principled's
+#define LOBE_TRANSMISSION (1u << 8) // transmission of the principled model
 #define LOBE_DIELECTRIC (1u << 9)
 #define LOBE_CONDUCTOR (1u << 10)
 #define LOBE_PHONG (1u << 11)

@@ -86,7 +86,7 @@
 #define DIRECTIONS_SPHERE 1u
 #define DIRECTIONS_HEMISPHERE 2u
 #define DIRECTIONS_COSINE 3u
-#define DIRECTIONS_POWER_COSINE 4u // about the mirror direction
+#define DIRECTIONS_POWER_COSINE 4u // a power of the cosine with the mirror direction
 
 // Strategies of sampling microfacet normals.
 #define NORMALS_VISIBLE 0u // by the distribution of visible normals (Heitz 2018)

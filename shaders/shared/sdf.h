@@ -10,9 +10,9 @@
 
 #include "types.h"
 
-#define SDF_POINTS_MAX 8    // saved at the same time
-#define SDF_DISTANCES_MAX 8 // pending at the same time
-#define SDF_CODE_MAX 1024   // instructions of one program
+#define SDF_POINTS_MAX 8    // maximum number of saved points
+#define SDF_DISTANCES_MAX 8 // maximum number of distances on the stack
+#define SDF_CODE_MAX 1024   // maximum number of instructions of a program
 
 // The record of a shape that is a field; other[0] of its gpu_shape has the record's index. Shapes
 // may share a program.
@@ -76,16 +76,17 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 // Sierpinski's tetrahedra; a.x: half the size, a.y: iterations. The corners are (1, 1, 1), (1, -1,
 // -1), (-1, 1, -1), (-1, -1, 1) times a.x.
 #define SDF_PYRAMID 14u
-// These pop two distances, y and then x, and push one. s a.x is the width w of a smooth joint,
-// min(x, y) - h^2 w / 4 with h = max(w - |x - y|, 0) / w (Quilez 2013); 0: no smooth joint.
+// The following operations pop two distances, y and then x, and push one. s a.x is the width w of a
+// smooth joint, min(x, y) - h^2 w / 4 with h = max(w - |x - y|, 0) / w (Quilez 2013); 0: no smooth
+// joint.
 #define SDF_UNION 15u
 #define SDF_INTERSECTION 16u
 #define SDF_DIFFERENCE 17u // x without y
-// These change the last distance.
+// The following operations change the last distance.
 #define SDF_ROUND 18u  // subtracts s a.x
 #define SDF_SHELL 19u  // takes the absolute value, then subtracts s a.x
 #define SDF_FACTOR 20u // multiplies by a.x, in (0, 1]
-// These save (p, s) and replace it.
+// The following operations save (p, s) and replace it, except SDF_RESTORE.
 #define SDF_TRANSFORM 21u // p' = rows b, c, d of (p, 1); s' = a.x s
 #define SDF_REPEAT 22u    // along axes whose a is not 0: p' = p - a clamp(round(p / a), -b, b)
 #define SDF_TWIST 23u     // about y by a.x radians per metre of height, x towards z; s' = a.y s

@@ -241,8 +241,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_light_bounds, 32);
 #define LIGHT_COS_O_SCALE 65535.0
 #define LIGHT_COS_E_SCALE 32767.0
 
-// The path from the tree's root to an emitter: bit n tells whether the second child is taken at
-// level n.
+// The path from the tree's root to an emitter: bit n is 1 if the second child is taken at level n.
 struct gpu_light_trail {
     uint low, high;
     uint depth; // number of bits; LIGHT_NOWHERE: the emitter is not in the tree
@@ -265,7 +264,8 @@ struct gpu_path {
     float origin[3];
     uint ignore;        // primitive on which the ray starts; if planar, it cannot be hit again
     float direction[3]; // unit
-    float bsdf_pdf;     // density per solid angle of the direction; 0: camera or delta
+    float bsdf_pdf;     // density per solid angle of the direction; 0: a ray from the camera, or a
+                        // delta sample
     float throughput[3];
     uint media; // stack of media around the ray, see lib/media.glsl
     float t;    // distance of the hit; not valid for misses
@@ -320,7 +320,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 // FILM_HAS_FLOATS; digits_b is 0 for sums. For running means it is 1 + the number of samples in the
 // means of half a; those of half b have the other samples.
 struct gpu_film_pixel {
-    uint samples; // of both halves
+    uint samples; // number of samples in both halves
     uint dropped; // number of samples that lost a non-finite contribution
     uint digits_a;
     uint digits_b;
@@ -344,7 +344,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 // Queues of slot indices.
 #define QUEUE_RAYS 0    // even bounces; QUEUE_RAYS + 1: odd bounces
-#define QUEUE_SURFACE 2 // + class, with FEATURE_CLASSES; otherwise the first one has all hits
+#define QUEUE_SURFACE 2 // QUEUE_SURFACE + class with FEATURE_CLASSES; else this queue has all hits
 #define QUEUE_MISS 6    // with FEATURE_ENVIRONMENT only
 #define QUEUE_SHADOW 7  // only with FEATURE_NEE: slots with at least one shadow ray
 // This queue and QUEUE_SUSPENDED + 1 are used alternately; only with FEATURE_SUSPEND.
@@ -441,13 +441,13 @@ SHARED_STATIC_ASSERT_SIZE(gpu_push, 48);
 // positions, here and in all records, are in the flat scene's unit (flatten/flatten.h).
 struct gpu_frame {
     VEC3(camera_position); // centre of the image at distance camera_start
-    uint width;            // of the film, which is the picture or a window of it
+    uint width;            // width of the film, which is the picture or a window of it
     VEC3(camera_forward);  // unit
     uint height;
     VEC3(camera_right); // from the centre to the right edge of the image; perspective: at distance
                         // 1; orthographic: a length; panoramic: unit
     uint seed;
-    VEC3(camera_up); // from the centre to the upper edge, in the same unit
+    VEC3(camera_up); // from the centre to the upper edge, in the unit of camera_right
     uint max_bounces;
     VEC3(environment);     // radiance, or the factor of the image's radiance
     uint environment_size; // width in bits 0-15, height in 16-31
@@ -477,11 +477,12 @@ struct gpu_frame {
     uint instances;          // offsets, in uvec4 words, of sections of the shapes' buffer
     uint sdfs;
     uint sdf_code;
-    // With FEATURE_FAR_CAMERA; otherwise 0 and 1.
+    // Values for FEATURE_FAR_CAMERA; without it, camera_start is 0 and lens_at_start is 1.
     float camera_start;      // distance along the line of sight from the camera to where camera
                              // rays begin
-    float lens_at_start;     // relative size of the lens there: 1 - camera_start / focus_distance
-    uint small_triangles;    // offset, as `instances`
+    float lens_at_start;     // relative size of the lens where camera rays begin: 1 - camera_start
+                             // / focus_distance
+    uint small_triangles;    // offset of a section, as `instances`
     uint pixel_strata;       // strata along a side of a pixel, for PIXEL_SAMPLING_GRID and
                              // _STRATIFIED
     float mis_exponent;      // only for MIS_POWER_ANY

@@ -28,7 +28,7 @@ enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
 // Nodes are of type struct bvh_node or struct bvh_node_float.
 enum bvh_format { BVH_QUANTISED, BVH_FLOAT };
 
-#define BVH_LEAF_MAX 8u // triangles per leaf
+#define BVH_LEAF_MAX 8u // maximum number of triangles per leaf
 #define BVH_LEAF_USUAL 2u
 #define BVH_COST_MIN 1e-3
 #define BVH_COST_MAX 1e3

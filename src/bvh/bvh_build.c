@@ -109,8 +109,8 @@ static bool check_triangle_count(const struct bvh_params *params, struct err *er
     uint32_t most = bvh_leaf_index_max(params->method.max_leaf);
     return params->triangle_count <= most ||
            err_set(err, ERR_INPUT,
-                   "%u triangles are too many for leaves of %u (--bvh-leaf), which allow %u; "
-                   "leaves of %u allow %u",
+                   "%u triangles are too many for leaves of %u (--bvh-leaf); expected at most %u, "
+                   "or leaves of %u, which allow %u",
                    params->triangle_count, params->method.max_leaf, most, BVH_LEAF_USUAL,
                    BVH_LEAF_INDEX);
 }
