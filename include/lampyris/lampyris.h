@@ -88,13 +88,13 @@ enum lampyris_log_level {
 struct lampyris_context_params {
     size_t size;
     const char *device; // index or part of a name; NULL: the first device of the fastest kind
-    // The library calls it with one line, without a newline. NULL: warnings are printed to standard
-    // error.
+    // The library calls `log` with one line, without a newline. NULL: warnings are printed to
+    // standard error.
     void (*log)(void *user, enum lampyris_log_level level, const char *message);
     void *user;
     enum lampyris_log_level log_level; // with `log`: the least important level that is passed to it
     // The limit, in bytes, for the host memory of all contexts of the process. 0 leaves the limit
-    // unchanged; at first there is none.
+    // unchanged; at first there is no limit.
     uint64_t memory_bytes;
     bool validation; // enables Vulkan's validation layers, whose messages go to the log
 };
@@ -120,7 +120,7 @@ struct lampyris_error {
 LAMPYRIS_API void lampyris_context_error(const struct lampyris_context *context,
                                          struct lampyris_error *out);
 
-// A device of the machine. Strings are valid as long as the context.
+// A device of the machine. Strings are valid as long as the context exists.
 struct lampyris_device {
     size_t size;
     const char *name, *driver;
@@ -149,9 +149,9 @@ struct lampyris_moment {
 
 struct lampyris_progress {
     size_t size;
-    // The library calls it often: while rendering, after every wave, which takes at most about a
-    // tenth of a second on a GPU. Return false to request a stop. The call in progress then returns
-    // LAMPYRIS_STOPPED as soon as the current wave has ended.
+    // The library calls `report` often: while rendering, after every wave, which takes at most
+    // about a tenth of a second on a GPU. Return false to request a stop. The call in progress then
+    // returns LAMPYRIS_STOPPED as soon as the current wave has ended.
     bool (*report)(void *user, const struct lampyris_moment *moment);
     void *user;
 };
@@ -370,8 +370,8 @@ LAMPYRIS_API enum lampyris_status lampyris_picture_load(struct lampyris_context 
                                                         const char *path, const char *layer,
                                                         struct lampyris_picture **out);
 LAMPYRIS_API void lampyris_picture_release(struct lampyris_picture *picture);
-// Returns the pixels, interleaved RGB, rows from the top, without gaps. They are valid as long as
-// the picture.
+// Returns the pixels, interleaved RGB, rows from the top, without gaps. The pixels are valid as
+// long as the picture exists.
 LAMPYRIS_API const float *lampyris_picture_pixels(const struct lampyris_picture *picture,
                                                   uint32_t *width, uint32_t *height);
 

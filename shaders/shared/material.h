@@ -139,7 +139,7 @@
 #define LOBE_METAL (1u << 3)      // metallic > 0 somewhere
 #define LOBE_SUBSURFACE (1u << 4)
 #define LOBE_SHEEN (1u << 5)   // Burley's sheen
-#define LOBE_CHARLIE (1u << 6) // glTF's
+#define LOBE_CHARLIE (1u << 6) // glTF's sheen
 #define LOBE_CLEARCOAT (1u << 7)
 #define LOBE_TRANSMISSION (1u << 8) // transmission of the principled model
 #define LOBE_DIELECTRIC (1u << 9)

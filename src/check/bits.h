@@ -1,6 +1,6 @@
-// Variations of a render that must not change a single bit of the image: the size of the waves, how
-// samples are divided among calls, features that the scene does not use, the ways to read and
-// reserve memory, and lower device limits (docs/verification.md, G1, G2 and G3).
+// Defines variations of a render that must not change a single bit of the image: the size of the
+// waves, how samples are divided among calls, features that the scene does not use, the ways to
+// read and reserve memory, and lower device limits (docs/verification.md, G1, G2 and G3).
 #ifndef LAMPYRIS_CHECK_BITS_H
 #define LAMPYRIS_CHECK_BITS_H
 
@@ -16,7 +16,7 @@ struct bits_variant {
     bool compile_all;
     // Samples of the first calls; the last call renders the rest of BITS_SAMPLES.
     uint32_t first_calls[2];
-    bool restarted;      // samples with another seed are rendered before
+    bool restarted;      // renders samples with another seed first
     bool representative; // also runs when a test runs only a selection of the variants
 };
 

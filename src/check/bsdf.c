@@ -1,4 +1,4 @@
-// Tests of the BSDFs alone (docs/verification.md, A): the renderer's own routines are run for wide,
+// Tests the BSDFs alone (docs/verification.md, A). It runs the renderer's own routines for wide,
 // reciprocal lobes.
 #include "check/bsdf.h"
 
@@ -12,7 +12,7 @@
 
 #include "check_bsdf.spv.h"
 
-#define ITEMS (1u << 16) // per material
+#define ITEMS (1u << 16) // items per material
 #define ETA 1.5f // index of refraction; the medium outside has no effect on opaque materials
 
 _Static_assert(sizeof(union bsdf_item) == sizeof(struct gpu_path), "they share a buffer");
@@ -207,7 +207,7 @@ static bool measure_energy(struct renderer *r, uint32_t material, union bsdf_ite
 static bool measure_grazing_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
                                    double *off, struct err *err)
 {
-    static const double degrees[] = {0.1, 0.01}; // above the surface
+    static const double degrees[] = {0.1, 0.01}; // angles above the surface
     bool ok = true;
     for (int i = 0; ok && i < 2; i++) {
         float wo[3];
@@ -217,7 +217,7 @@ static bool measure_grazing_energy(struct renderer *r, uint32_t material, union 
     return ok;
 }
 
-// Like measure_samples(), from 89.99 degrees.
+// Does what measure_samples() does, for a direction 89.99 degrees from the normal.
 static bool measure_grazing_samples(struct renderer *r, uint32_t material, union bsdf_item *items,
                                     double *off, struct err *err)
 {

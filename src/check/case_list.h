@@ -1,4 +1,4 @@
-// The table of all cases, in groups.
+// Declares the table of all cases, in groups.
 #ifndef LAMPYRIS_CHECK_CASE_LIST_H
 #define LAMPYRIS_CHECK_CASE_LIST_H
 

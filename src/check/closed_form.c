@@ -72,12 +72,12 @@ static void judge_channel(const struct closed_form_trial *trial, double rounding
     double bias = fabs(seen->bias[c]);
     if (fabs(seen->t[c]) > REPLICATES_T_MAX && bias > rounding)
         snprintf(seen->why, sizeof seen->why,
-                 "channel %d: mean %.9g, expected %.9g: t = %.2f, at most %.1f", c, seen->mean[c],
-                 seen->expected[c], seen->t[c], REPLICATES_T_MAX);
+                 "channel %d: mean %.9g, expected %.9g: t = %.2f, expected at most %.1f", c,
+                 seen->mean[c], seen->expected[c], seen->t[c], REPLICATES_T_MAX);
     else if (!(seen->half_width[c] <= trial->half_width_max))
         snprintf(seen->why, sizeof seen->why,
-                 "channel %d: half-width %.3g of the value, at most %g", c, seen->half_width[c],
-                 trial->half_width_max);
+                 "channel %d: half-width %.3g of the value; expected at most %g", c,
+                 seen->half_width[c], trial->half_width_max);
     else if (!(bias <= BIAS_PER_HALF_WIDTH * trial->half_width_max))
         snprintf(seen->why, sizeof seen->why, "channel %d: mean %.9g, expected %.9g", c,
                  seen->mean[c], seen->expected[c]);

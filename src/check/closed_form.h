@@ -28,7 +28,7 @@ struct closed_form {
     double parameter;
     enum closed_form_kind kind;
     unsigned alone;
-    struct scene_override overrides[6]; // ends with the first one that has no key
+    struct scene_override overrides[6]; // ends with the first override without a key
     double scale;                       // factor for all lengths, see scaled_scene.h; 0 means 1
     // Adds to the scene what a scene file cannot express, such as meshes; may be NULL.
     bool (*prepare)(struct scene *scene, double parameter, struct err *err);

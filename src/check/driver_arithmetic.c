@@ -209,8 +209,8 @@ static double error_of_integers(const driver_item *in, const driver_item *out)
 static void fill_halves(uint64_t *state, uint32_t index, driver_item *item)
 {
     (void)state;
-    // All bit patterns of finite halves, 2 per word. Patterns with the exponent 31, which are not
-    // finite, are omitted.
+    // Generates all bit patterns of finite halves, 2 per word. Patterns with the exponent 31, which
+    // are not finite, are omitted.
     uint32_t pattern = 2u * index % 0x7c00u;
     item->u[0] = pattern | ((pattern + 1u) | 0x8000u) << 16;
 }

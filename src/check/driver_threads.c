@@ -1,4 +1,4 @@
-// Tests of the driver's loops, atomics, barriers, memory and subgroup operations.
+// Tests the driver's loops, atomics, barriers, memory and subgroup operations.
 #include "check/driver.h"
 
 #include "check/case_list.h"

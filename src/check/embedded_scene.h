@@ -1,4 +1,4 @@
-// The scenes of the cases, embedded in the program.
+// Loads the scenes of the cases, which are embedded in the program.
 #ifndef LAMPYRIS_CHECK_EMBEDDED_SCENE_H
 #define LAMPYRIS_CHECK_EMBEDDED_SCENE_H
 

@@ -1,4 +1,4 @@
-// The estimators of direct light that tests compare. All of them converge to the same image.
+// Defines the estimators of direct light that tests compare. They all converge to the same image.
 #ifndef LAMPYRIS_CHECK_ESTIMATORS_H
 #define LAMPYRIS_CHECK_ESTIMATORS_H
 

@@ -1,5 +1,5 @@
-// Environment images that cause a known irradiance on a plane (docs/verification.md, B24, B25, C33
-// and C35).
+// Defines cases of environment images that cause a known irradiance on a plane
+// (docs/verification.md, B24, B25, C33 and C35).
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>

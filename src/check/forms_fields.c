@@ -1,5 +1,5 @@
-// Distance fields in scenes with known radiance, and beside analytic shapes of the same form:
-// closed rooms, convex bodies under a constant environment, glass and fog.
+// Defines cases of distance fields in scenes with known radiance, and beside analytic shapes of the
+// same form: closed rooms, convex bodies under a constant environment, glass and fog.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>

@@ -1,4 +1,4 @@
-// Closed forms for the other integrators: ambient occlusion and Whitted's recursion.
+// Defines closed forms for the other integrators: ambient occlusion and Whitted's recursion.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>

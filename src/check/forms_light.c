@@ -1,5 +1,5 @@
-// Scenes whose radiance has a closed form (numbers as in docs/verification.md, B and C): furnaces,
-// delta lights, configuration factors, mirrors, an edge.
+// Defines cases of scenes whose radiance has a closed form (numbers as in docs/verification.md, B
+// and C): furnaces, delta lights, configuration factors, mirrors, an edge.
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"

@@ -1,4 +1,4 @@
-// Scenes of dielectrics, media and metals whose radiance has a closed form (numbers as in
+// Defines cases of dielectrics, media and metals whose radiance has a closed form (numbers as in
 // docs/verification.md, B and C): slabs, absorption, total reflection, nested glass, rough plates.
 #include "check/case_list.h"
 #include "check/closed_form.h"

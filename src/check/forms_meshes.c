@@ -1,5 +1,5 @@
-// Meshes and instances with known radiance that are degenerate, small, coplanar, mirrored or
-// flattened (docs/verification.md, C).
+// Defines cases of meshes and instances with known radiance that are degenerate, small, coplanar,
+// mirrored or flattened (docs/verification.md, C).
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/made_mesh.h"

@@ -1,5 +1,5 @@
-// Scenes with a size from 1e-12 m to 1e12 m, and cameras at such distances: closed forms that do
-// not depend on the unit of length.
+// Defines cases of scenes with sizes from 1e-12 m to 1e12 m, and of cameras at such distances.
+// Their closed forms do not depend on the unit of length.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>

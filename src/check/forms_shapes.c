@@ -1,6 +1,6 @@
-// Analytic shapes in scenes with known radiance: closed furnaces of every shape and scale,
-// irradiance of a floor from emissive shapes, infinite planes and huge spheres as ground, and views
-// from inside glass and fog.
+// Defines cases of analytic shapes in scenes with known radiance: closed furnaces of every shape
+// and scale, irradiance of a floor from emissive shapes, infinite planes and huge spheres as
+// ground, and views from inside glass and fog.
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"

@@ -1,4 +1,4 @@
-// Stiff and extreme cases with known radiance (docs/verification.md, C).
+// Defines stiff and extreme cases with known radiance (docs/verification.md, C).
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"

@@ -1,5 +1,6 @@
-// Textures with long sides, distant coordinates and bright texels (docs/verification.md, C31, C32
-// and C34). The whole floor shows one place of an image in which only one texel is not black.
+// Defines cases of textures with long sides, distant coordinates and bright texels
+// (docs/verification.md, C31, C32 and C34). The whole floor shows one place of an image in which
+// only one texel is not black.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/made_mesh.h"

@@ -1,12 +1,12 @@
-// Meshes that cases generate, because scene files cannot express them.
+// Makes meshes for cases, because scene files cannot express them.
 #ifndef LAMPYRIS_CHECK_MADE_MESH_H
 #define LAMPYRIS_CHECK_MADE_MESH_H
 
 #include "scene/core/scene.h"
 
 // Adds a mesh of `triangles` triangles with unshared vertices, which are all at the origin, and an
-// instance of it with the identity transform, which becomes the scene's last instance. It has the
-// scene's first material. Returns NULL when out of memory.
+// instance of it with the identity transform, which becomes the scene's last instance. The mesh has
+// the scene's first material. Returns NULL when out of memory.
 struct mesh *made_mesh_add(struct scene *scene, uint32_t triangles, struct err *err);
 void made_mesh_set(struct mesh *mesh, uint32_t vertex, double x, double y, double z);
 

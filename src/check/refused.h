@@ -1,4 +1,4 @@
-// Invalid input, which must be rejected with a message that names the fault (docs/verification.md,
+// Tests that invalid input is rejected with a message that names the fault (docs/verification.md,
 // C10, C31, C41 and C43).
 #ifndef LAMPYRIS_CHECK_REFUSED_H
 #define LAMPYRIS_CHECK_REFUSED_H
@@ -7,7 +7,7 @@
 
 struct refusal {
     const char *scene;                  // name of an embedded scene
-    struct scene_override overrides[3]; // ends with the first one that has no key
+    struct scene_override overrides[3]; // ends with the first entry without a key
     // Adds the invalid input, which is rejected by this call or when a renderer is created for the
     // scene. NULL: nothing is added.
     bool (*add)(struct scene *scene, const struct refusal *refusal, struct err *err);
@@ -19,8 +19,8 @@ struct refusal {
 bool refused_run(const struct check *check, const struct check_case *this_case,
                  struct check_result *result, struct err *err);
 
-// Functions for `add`. The first adds a triangle with `value` as a coordinate, the second an image
-// `value` texels wide.
+// Functions for `add`. refused_vertex() adds a triangle with `value` as a coordinate,
+// refused_image() an image `value` texels wide.
 bool refused_vertex(struct scene *scene, const struct refusal *refusal, struct err *err);
 bool refused_image(struct scene *scene, const struct refusal *refusal, struct err *err);
 

@@ -1,7 +1,7 @@
-// The statistics that docs/verification.md describes in "How a mean is checked": REPLICATES renders
-// of the same measurement with independent seeds, a t-test against the expected value, and bounds
-// on the confidence interval and on the bias, because a t-test alone also passes if the noise is
-// large.
+// Computes the statistics that docs/verification.md describes in "How a mean is checked":
+// REPLICATES renders of the same measurement with independent seeds, a t-test against the expected
+// value, and bounds on the confidence interval and on the bias, because a t-test alone also passes
+// if the noise is large.
 #ifndef LAMPYRIS_CHECK_REPLICATES_H
 #define LAMPYRIS_CHECK_REPLICATES_H
 

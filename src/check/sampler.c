@@ -77,7 +77,8 @@ bool draw_is_uniform(float u)
 
 // --- measurements --------------------------------------------------------------------------------
 
-// One sampler that stratifies over a planned number of samples, one that does not, and the default.
+// The samplers that are tested: the default, one with independent random numbers, and one that
+// stratifies over a planned number of samples.
 static const uint32_t samplers[] = {SAMPLER_SOBOL, SAMPLER_PCG, SAMPLER_STRATIFIED};
 enum { SAMPLERS = sizeof samplers / sizeof samplers[0] };
 

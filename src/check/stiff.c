@@ -12,7 +12,7 @@
 // A scene to render, and a test of the result.
 struct stiff {
     const char *scene;
-    struct scene_override overrides[6]; // ends with the first one that has no key
+    struct scene_override overrides[6]; // ends with the first entry without a key
     bool (*prepare)(struct scene *scene, struct err *err); // changes the scene; may be NULL
     uint64_t samples;
     uint32_t wave;
@@ -128,7 +128,8 @@ static bool judge_skipped(const struct renderer *r, const struct film_image *fil
                       count, mean_of(film, 0));
 }
 
-// The limit of docs/design.md for a dispatch on a GPU. Watchdogs end dispatches that take seconds.
+// The longest permitted dispatch of a GPU (docs/verification.md, C42). Watchdogs end dispatches
+// that take seconds.
 #define LONGEST_MS 100.0
 
 static bool judge_dispatches(const struct renderer *r, const struct film_image *film,

@@ -101,7 +101,7 @@ class Figures(unittest.TestCase):
         rows = rows_of(bench(CORNELL, *SMALL, '--repeats', '2', '--max-bounces', '0')['variants'][0])
         paths = 16 * 16 * 4
         hits = rows['shade_surface']['items']
-        # For each kernel, the records of an item. Rays: three words of four and the radiance, and a place in
+        # For each kernel, the records of an item. Rays: three uvec4 words and the radiance, and a place in
         # the queue. Intersections: a place in the queue and two words; for hits one more word and a place.
         # Sorting: a place and a path. Accumulation: the film, read and written.
         self.assertEqual(rows['generate_rays']['record_bytes'], paths * (3 * 16 + 16 + 4))

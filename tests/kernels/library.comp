@@ -1,5 +1,5 @@
 // Runs the shipped routines of lib/ on inputs that the test wrote into the paths' buffer: four
-// words of four for each thread, which are overwritten by what comes out. Which routine is a
+// uvec4 words for each thread, which are overwritten by what comes out. Which routine is a
 // specialization constant.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -1,5 +1,5 @@
-// Runs what kernels do with analytic shapes, of items of four words of four that the test wrote
-// into the paths' buffer and that are overwritten by what comes out.
+// Runs what kernels do with analytic shapes, of items of four uvec4 words that the test wrote into
+// the paths' buffer and that are overwritten by what comes out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,5 +1,5 @@
 // One thread adds a splat to the film by the routines of lib/splat.glsl, or claims its digits
-// (push.bounce 0). The test wrote splats into the paths' buffer, a word of four each: red, green,
+// (push.bounce 0). The test wrote splats into the paths' buffer, a uvec4 word each: red, green,
 // blue, and twice the pixel plus the half.
 #version 460
 #extension GL_GOOGLE_include_directive : require

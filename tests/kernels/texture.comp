@@ -1,5 +1,5 @@
 // Runs the shipped routines of lib/texture, lib/alpha and lib/surface on inputs that the test wrote
-// into the paths' buffer: four words of four for each thread, which are overwritten by what comes
+// into the paths' buffer: four uvec4 words for each thread, which are overwritten by what comes
 // out; see texture_item.h. Which routine is a specialization constant.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -39,7 +39,7 @@ struct targets {
     uint32_t rare; // number of targets that are not common
 };
 
-// If a lamp's mesh has more triangles than this, some of them represent all.
+// If a lamp's mesh has more triangles than this, a part of them represents all.
 #define TRIANGLES_MAX 4096u
 
 static void list_lights(const struct survey *survey, bool delta, struct targets *out)
@@ -334,8 +334,8 @@ struct tally {
 };
 
 // The number of lines from each place. In a room most of the environment is occluded, so that some
-// of several lines should pass through a window. If there are more lamps than lines, some lamps
-// represent all.
+// of several lines should pass through a window. If there are more lamps than lines, a part of the
+// lamps represents all.
 #define ROUNDS 8u
 
 // Selects a target for a line from a place, a different one in each round. Returns false if none is

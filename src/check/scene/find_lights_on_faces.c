@@ -4,7 +4,7 @@
 #include "base/maths.h"
 #include <string.h>
 
-// If there are more lights, some of them represent all.
+// If the scene has more lights than this, a part of them represents all.
 #define LIGHTS_MAX 4096u
 // One line along each axis is traced, because no plane is parallel to all three.
 #define AXES 3u

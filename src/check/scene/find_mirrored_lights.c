@@ -12,7 +12,8 @@
 // its distance: the edges of lit regions move, but the total light hardly changes.
 #define CONE 0.07
 #define CONE_SOLID_ANGLE (2.0 * M_PI * versine(CONE))
-// A smaller share of the image, or of its light, is not reported; as in find_hidden_lights.c.
+// A smaller share of the image, or of its light, is not reported. The limit is that of
+// find_hidden_lights.c.
 #define SHARE_MIN 0.01
 // If fewer lines arrive, the standard error of their light is at least a third of it.
 #define LINES_MIN 10u

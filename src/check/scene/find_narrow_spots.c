@@ -6,7 +6,7 @@
 #include "scene/core/light.h"
 #include "shared/types.h"
 
-// If there are more spots, some of them represent all.
+// If the scene has more spots than this, a part of them represents all.
 #define SPOTS_MAX 4096u
 // The number of lines into each cone, one for each of RAYS equal solid angles.
 #define RAYS 16u

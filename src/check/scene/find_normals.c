@@ -33,8 +33,8 @@ static bool meets(const struct survey *survey, const struct sighting *at, const 
 
 // Smooth normals deviate from a triangle towards its neighbours, but the deviations at the corners
 // almost cancel in its centre. There, 2 % of the surface of Suzanne with 500 vertices deviate by
-// more than 60 degrees; of a surface with random normals it is half. So if a quarter of an object's
-// surface deviates that much, its normals are those of another surface.
+// more than 60 degrees, and half of a surface with random normals does. So if a quarter of an
+// object's surface deviates that much, its normals are those of another surface.
 #define FAR_COSINE 0.5
 #define FAR_PART 0.25
 

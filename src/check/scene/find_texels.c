@@ -265,8 +265,8 @@ static struct sun_texel brightest_texel(const struct environment *sky)
     return brightest;
 }
 
-// A texel is reported as a sun if it emits this share of all light and is this many times as bright
-// as the mean of the others; then its form is visible in shadows.
+// A texel is reported as a sun if it emits at least this share of all light and is at least this
+// many times as bright as the mean of the others. The form of such a texel is visible in shadows.
 #define SUN_PART_MIN 0.1
 #define SUN_BRIGHTNESS_MIN 100.0
 // In an image with fewer texels, no texel counts as small.

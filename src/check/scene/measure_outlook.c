@@ -25,7 +25,7 @@ struct small_lamps {
     uint32_t *open; // a stack of pixels whose neighbours are still to be visited
     bool *known;
     uint32_t count;   // number of lamps
-    double least;     // least fraction of a pixel that a lamp covers
+    double least;     // smallest fraction of a pixel that a lamp covers
     double brightest; // luminance of the brightest lamp
 };
 
@@ -157,7 +157,7 @@ static void look_ahead(struct survey *survey, const struct half_error *error, do
 
 // Local relMSE is relative to L^2 + METRICS_RELMSE_EPSILON. If an image is far darker than the
 // square root of that constant, the constant dominates, and noise that is visible is hardly
-// counted. The image is reported if with a mean of 1 it would need at least this many times more
+// counted. The image is reported if with a mean of 1 it would need at least this many times as many
 // samples.
 #define DIM_MIN 30.0
 

@@ -1,5 +1,5 @@
-// The data that the searches of a scene share: its geometry as rendered, the camera's view, and the
-// list of findings. Internal to src/check/scene/.
+// Declares the data that the searches of a scene share: its geometry as rendered, the camera's
+// view, and the list of findings. Internal to src/check/scene/.
 #ifndef LAMPYRIS_CHECK_SCENE_SURVEY_H
 #define LAMPYRIS_CHECK_SCENE_SURVEY_H
 
@@ -272,7 +272,7 @@ bool find_unscaled(struct survey *survey, struct err *err);        // radiance_s
 bool find_memory(struct survey *survey, struct err *err); // too little device memory for the image
 // Lights that get shadow rays but contribute nothing.
 bool find_idle_lights(struct survey *survey, struct err *err);
-// These searches measure: each renders into the job's film.
+// These searches measure: they render the small image.
 bool measure_noise(struct survey *survey,
                    struct err *err); // the tail of the samples, and the outlook
 bool measure_depth(struct survey *survey, struct err *err);
