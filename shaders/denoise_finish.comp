@@ -31,8 +31,8 @@ vec2 unpack_judgement(uint packed)
     return vec2(uintBitsToFloat(packed & 0xffff0000u), uintBitsToFloat(packed << 16u));
 }
 
-// The third component sums variances of one sample: the variance of each pixel times its number of
-// samples.
+// The third component of `sum` adds, for each pixel, the variance of a single sample: the pixel's
+// variance times its number of samples.
 void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
 {
     bool inside;

@@ -92,7 +92,7 @@ struct lampyris_context_params {
     // standard error.
     void (*log)(void *user, enum lampyris_log_level level, const char *message);
     void *user;
-    enum lampyris_log_level log_level; // with `log`: the least important level that is passed to it
+    enum lampyris_log_level log_level; // the least important level that is passed to `log`
     // The limit, in bytes, for the host memory of all contexts of the process. 0 leaves the limit
     // unchanged; at first there is no limit.
     uint64_t memory_bytes;

@@ -40,9 +40,9 @@ vec3 eval_reversed(vertex v, vec3 onwards, out float pdf)
     return f;
 }
 
-// Returns whether delta scattering can be reversed: whether a path that arrives from `onwards`
-// leaves to v.view if a path from v.view leaves to `onwards`. It cannot be reversed if the normal
-// was bent for either direction.
+// Returns whether delta scattering from v.view to `onwards` can be reversed, so that a path that
+// arrives from `onwards` leaves to v.view. It cannot be reversed if the normal was bent for either
+// direction.
 bool is_reversible(vertex v, vec3 onwards)
 {
     if (!HAS(FEATURE_NORMALS) && !HAS(FEATURE_NORMAL_MAPS))

@@ -17,7 +17,7 @@
 #include "lib/bvh_node_float.glsl"
 #include "lib/bvh_node_quantised.glsl"
 
-// A comparator of a sorting network.
+// Sorts two values. This is a comparator of a sorting network.
 void order(inout int a, inout int b)
 {
     int low = min(a, b);

@@ -4,7 +4,7 @@
 
 // The parameters sigma_l and sigma_n of Schied et al. 2017, section 4.4.
 const float SIGMA_LUMINANCE = 4.0;
-const uint NORMAL_SQUARINGS = 7u; // a power of 2^7 = 128
+const uint NORMAL_SQUARINGS = 7u; // the exponent sigma_n is 2^7 = 128
 
 // Returns the B3 spline's weight at a distance of 0, 1 or 2 steps.
 float spline(int distance)

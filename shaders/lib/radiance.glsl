@@ -97,9 +97,9 @@ void keep_brightest(uint slot, vec3 contribution, uint site, uint emitter)
 
 // -------------------------------------------------------------------------------------------------
 
-// Adds to the slot's radiance, in the order of the dispatches. If the sum would not be finite,
-// drops the contribution, and records this in w. emitter: BY_EMITTER_* of the source. Returns the
-// value that was added.
+// Adds a contribution to the slot's radiance, after those of earlier dispatches. If the sum would
+// not be finite, drops the contribution, and report_nonfinite() sets w of the radiance to 1.
+// emitter: BY_EMITTER_* of the source. Returns the value that was added.
 vec3 add_radiance(uint slot, vec3 contribution, uint site, uint emitter)
 {
     if (HAS(FEATURE_CLAMP))

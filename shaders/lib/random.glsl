@@ -9,7 +9,7 @@
 const uint DIMENSION_CAMERA = 0u;       // pixel x, y; lens x, y
 const uint DIMENSION_FIRST_BOUNCE = 1u; // then DIMENSIONS_A_BOUNCE for each bounce
 const uint DIMENSIONS_A_BOUNCE = 3u;
-const uint DIMENSION_LIGHT = 0u; // emitter; point on it x, y; roulette
+const uint DIMENSION_LIGHT = 0u; // emitter; x and y of the point on the emitter; roulette
 const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
 const uint DIMENSION_EXTRA = 2u; // more bits for the emitter; dispersion; direction strategy;
                                  // unused

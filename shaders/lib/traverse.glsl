@@ -103,7 +103,7 @@ trace_space world_space(trace_ray ray)
                        triangle_frame_create(ray.direction), NO_INSTANCE, NO_MATERIAL);
 }
 
-// Returns the space of an instance and the root of its tree; for NO_INSTANCE world space.
+// Returns the space of an instance, or world space for NO_INSTANCE, and the root of its tree.
 trace_space enter_space(trace_ray ray, uint instance, out uint root)
 {
     bool is_world = instance == NO_INSTANCE;

@@ -11,8 +11,8 @@
 // I = emission + (kd + ks) ambient + sum over lights of (kd / pi + Phong's highlight) cos E
 //   + kr S + kt T, with S and T from the mirrored and the refracted direction.
 struct whitted_surface {
-    vec3 diffuse;   // kd
-    vec3 highlight; // ks
+    vec3 diffuse;   // kd, the diffuse albedo
+    vec3 highlight; // ks, the albedo of the highlight
     float exponent; // exponent of the highlight
     vec3 reflected; // kr
     vec3 refracted; // kt, including the scaling of radiance by refraction

@@ -156,9 +156,9 @@
 #define LOBE_DISPERSION (1u << 20)
 #define LOBE_DIFFUSE_TRANSMISSION (1u << 21)
 #define LOBE_SEPARABLE (1u << 22)
-#define LOBE_BURLEY (1u << 23)   // principled, with layers combined as by Burley
-#define LOBE_GLTF (1u << 24)     // principled, with layers combined as in glTF
-#define LOBE_MASKINGS (1u << 25) // microfacets with MASKING_SCHLICK or one of the maskings after it
+#define LOBE_BURLEY (1u << 23)    // principled, with layers combined as by Burley
+#define LOBE_GLTF (1u << 24)      // principled, with layers combined as in glTF
+#define LOBE_MASKINGS (1u << 25)  // microfacets with MASKING_SCHLICK or a greater MASKING_*
 #define LOBE_UNCOUPLED (1u << 26) // microfacets with MATERIAL_UNCOUPLED
 #define LOBE_MIXED_FRESNEL (1u << 27)
 #define LOBE_EXACT_COAT (1u << 28)

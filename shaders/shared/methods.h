@@ -5,7 +5,7 @@
 
 // Integrators: the quantity that is computed.
 #define INTEGRATOR_PATH 0u
-#define INTEGRATOR_DIRECT 1u // one scattering event
+#define INTEGRATOR_DIRECT 1u // paths have one scattering event
 #define INTEGRATOR_AO 2u     // fraction of the sky that is visible within a distance
 #define INTEGRATOR_WHITTED                                                                         \
     3u                      // Whitted 1979: perfect reflection and refraction, hard shadows, Phong
@@ -36,8 +36,8 @@
 #define ACCUMULATION_RUNNING 2u // a running mean
 
 // Divisions of the samples between the two half-buffers, from which the error is estimated.
-#define HALVES_INDEPENDENT 0u // each has its own sequence: the error estimate is unbiased
-#define HALVES_CONTIGUOUS 1u  // the first and the second half of one sequence: an upper bound
+#define HALVES_INDEPENDENT 0u // one sequence for each half-buffer: the error estimate is unbiased
+#define HALVES_CONTIGUOUS 1u  // halves of one sequence: the error estimate is an upper bound
 
 // Pixel filters, which are sampled by importance.
 #define FILTER_BOX 0u

@@ -137,7 +137,7 @@ struct bvh_params {
     uint32_t instance_count;
     struct bvh_method method;
     unsigned threads;                // number of threads; 0: one for each processor
-    const struct progress *progress; // its phase is "Building BVH"
+    const struct progress *progress; // shows the phase "Building BVH"
 };
 
 // Builds a tree top-down, until every leaf of the binary tree has one primitive. The methods are:

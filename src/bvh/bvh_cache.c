@@ -37,7 +37,7 @@ struct header {
 #define PIECE 4096u
 
 struct hash_job {
-    const struct bvh_params *params; // its triangles are hashed; NULL: `bytes` are hashed
+    const struct bvh_params *params; // whose triangles are hashed; NULL: `bytes` are hashed
     const uint8_t *bytes;
     size_t count; // number of triangles or bytes
     struct hash128 *pieces;

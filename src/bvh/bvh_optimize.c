@@ -133,7 +133,8 @@ static struct search find_place(const struct optimizer *optimizer, uint32_t inde
         uint32_t sibling = sibling_of(optimizer, pivot);
         search_subtree(optimizer, moving, (struct search_entry){gain, sibling}, &search);
         pivot = optimizer->parents[pivot];
-        box_add_box(&rest, &nodes[sibling].box); // all below the pivot except the moving subtree
+        box_add_box(&rest, &nodes[sibling].box); // `rest` bounds all nodes below the pivot except
+                                                 // the moving subtree
         gain += box_half_area(&nodes[pivot].box) - box_half_area(&rest);
     }
     return search;

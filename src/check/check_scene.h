@@ -21,9 +21,9 @@ extern const char *const finding_level_names[]; // "remark" …
 struct scene_finding {
     const char *name; // a word for scripts, such as "zero-area"
     enum finding_level level;
-    const char *place;       // where it is: "instance 3 of mesh \"leaf\""
-    const char *figure;      // how much of it there is: "12 of 400 triangles"
-    const char *consequence; // its effect on the image, as a sentence
+    const char *place;       // where the fault is: "instance 3 of mesh \"leaf\""
+    const char *figure;      // how much is at fault: "12 of 400 triangles"
+    const char *consequence; // effect of the fault on the image, as a sentence
     const char *remedy;      // what to do, as a sentence
     double share;            // fraction, in [0, 1], of the image that is affected; NAN: not known
     // A flag for each pixel of `picture` that is affected; NULL: not known, or all pixels.
@@ -48,7 +48,7 @@ struct scene_findings {
 };
 
 struct check_scene_params {
-    struct renderer_params renderer; // with its `scene`
+    struct renderer_params renderer; // its member `scene` must be set
     struct scene *scene; // the scene of `renderer`; its settings are the same afterwards
     double error;        // the local relMSE to which `outlook` refers
     // Applies to `scene` the changes of all findings that have a `change`. A change removes an

@@ -33,8 +33,9 @@ static void find_source(const struct renderer *r, const struct specialization *s
     if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
         out->constants.lobes = s->class_lobes[id - KERNEL_shade_diffuse];
     if (id != KERNEL_intersect_closest && id != KERNEL_intersect_shadow)
-        out->constants.features &= ~FEATURE_STEPS; // only traversal kernels count steps; others are
-                                                   // not recompiled for it
+        out->constants.features &= ~FEATURE_STEPS; // only traversal kernels count steps; other
+                                                   // kernels are not compiled again for this
+                                                   // feature
     out->params = (struct gpu_kernel_params){
         .name = code.name,
         .spirv = code.spirv,

@@ -27,7 +27,7 @@ static void shrink_picture(struct settings *settings, double pixels)
 #define RENDER_SECONDS 30.0
 #define LEAST_PIXELS 256.0
 
-// The greatest time, in seconds, that one sample of all pixels may take.
+// The longest time, in seconds, that one sample per pixel may take.
 #define SAMPLE_SECONDS (RENDER_SECONDS / RENDERED_SAMPLES)
 
 // The fastest of several samples is used: the first one includes start-up work, and other programs

@@ -434,8 +434,8 @@ static bool is_same_pair(const struct coincidences *a, const struct coincidences
            (a->pair[0].object == second && a->pair[1].object == first);
 }
 
-// Adds the finding for lamps. It affects the pixels that they light and the pixels `seen` in which
-// the two surfaces are visible.
+// Adds the finding for lamps. The affected pixels are those that the lamps light. If `seen` is the
+// same pair of surfaces, the pixels in which both are visible are added.
 static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
                       const struct sightline *lines, uint32_t count,
                       const struct coincidences *seen, struct err *err)

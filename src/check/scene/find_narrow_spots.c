@@ -78,8 +78,8 @@ static bool is_in_picture(const struct projection *view, const struct projected 
     return seen->x >= 0.0 && seen->x < view->width && seen->y >= 0.0 && seen->y < view->height;
 }
 
-// Returns the area, in square metres, of a pixel at a place. If the place is not in view, that of
-// the central pixel at the same distance is used.
+// Returns the area, in square metres, of a pixel at a place. If the place is not in view, returns
+// the area of the central pixel at the same distance.
 static double pixel_area_at(const struct projection *view, const double place[3])
 {
     struct projected seen;

@@ -153,8 +153,8 @@ struct twin_list {
     bool *firsts, *again;          // flags for the first object of each pair, and for the second
 };
 
-// Evaluates the objects at one place. All but one of them are hidden, but only if all are equal,
-// because otherwise the visible object might change.
+// Evaluates the objects at one place. If fixes are requested and all objects are equal, hides all
+// but the first. Unequal objects are kept, because otherwise the visible object might change.
 static void take_place(struct survey *survey, const struct identity *list, uint32_t count,
                        struct twin_list *lists)
 {

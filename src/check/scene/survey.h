@@ -44,7 +44,8 @@ struct survey {
     const struct camera *camera;
     struct settings settings; // the scene's own settings, with the size of the full image
     const char *refusal;      // why a render of the full image cannot be planned; NULL if it can
-    uint64_t least_bytes;     // device memory that such a render needs without its waves, in bytes
+    uint64_t least_bytes;     // device memory that a render of the full image needs without its
+                              // waves
     uint64_t small_bytes;     // device memory that the render of the small image takes
     struct job_params small;  // parameters of the job that renders the small image
     struct job job;           // the job of the small image; end_job() finishes it, and later

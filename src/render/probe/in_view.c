@@ -251,8 +251,8 @@ static void count_emitter(struct search *search, struct emitter_part emitter)
     search->light[y * p->width + x] += (float)(sight.part * find_greatest(search, emitter));
 }
 
-// Returns whether an emitter is one of many small parts of a larger emitter: whether the
-// surrounding pixels have as much light as part_max pixels of this emitter's radiance.
+// Returns whether an emitter is one of many small parts of a larger emitter. The criterion is that
+// the surrounding pixels have at least as much light as part_max pixels of this emitter's radiance.
 static bool is_of_larger(const struct search *search, struct emitter_part emitter,
                          const struct sight *sight)
 {

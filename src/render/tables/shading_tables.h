@@ -19,7 +19,7 @@ struct shading_tables_params {
     const struct scene *scene;
     const struct flat_scene *flat;
     const struct bvh *bvh;
-    const struct camera *camera;       // its rays may begin inside a medium
+    const struct camera *camera;       // the camera, whose rays may begin inside a medium
     uint32_t light_choice;             // LIGHT_CHOICE_*, but never AUTO
     const struct emitter_lamps *lamps; // required by some light sampling strategies
     const struct progress *progress;   // polled for a stop; NULL: never stops
