@@ -1,5 +1,5 @@
-// One thread reads some values of an image in false colours: finds their least and greatest, and
-// counts them in a histogram.
+// One thread reads some values of an image in false colours, finds the smallest and the greatest of
+// them, and counts all of them in a histogram.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

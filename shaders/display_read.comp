@@ -18,7 +18,7 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block 
     vec4 to_pixels[];
 };
 
-// Returns the sum of the AOVs' float number `place`.
+// Returns float number `place` of the AOVs' sums.
 float aov_float(uint at, uint place)
 {
     uint word = place >> 2u;

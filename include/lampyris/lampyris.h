@@ -269,12 +269,12 @@ struct lampyris_goal {
     double error;     // upper bound of the local relMSE; 0: no limit
 };
 
-// Renders until the goal is reached, which is that of the settings if `goal` is NULL. Returns at
-// once if it has been reached already. After LAMPYRIS_STOPPED the film has the samples rendered so
-// far, and the next step continues: it completes the interrupted pass over the picture, so it may
-// render more samples than its goal. After LAMPYRIS_DEVICE no further step is possible; the film is
-// then the last one that was read from the device, if any. Adaptive renders can only have the goal
-// of their settings.
+// Renders until the goal is reached. If `goal` is NULL, the goal of the settings applies. Returns
+// at once if the goal has been reached already. After LAMPYRIS_STOPPED the film has the samples
+// rendered so far, and the next step continues: it completes the interrupted pass over the picture,
+// so it may render more samples than its goal. After LAMPYRIS_DEVICE no further step is possible;
+// the film is then the last one that was read from the device, if any. Adaptive renders can only
+// have the goal of their settings.
 LAMPYRIS_API enum lampyris_status lampyris_render_step(struct lampyris_render *render,
                                                        const struct lampyris_goal *goal,
                                                        const struct lampyris_progress *progress);

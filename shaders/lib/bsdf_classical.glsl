@@ -185,7 +185,8 @@ bool is_uncoupled(material m)
 
 // The base lies below the microfacets: light enters and leaves it in proportion to what they do not
 // reflect. If the base is uncoupled, its albedo is computed for light along the normal; the angle
-// between wo and the microfacet's normal is then half of that between wo and the normal.
+// between wo and the microfacet's normal is then half of the angle between wo and the surface's
+// normal.
 classical_parts microfacet_parts(material m, vec3 wo, float eta)
 {
     vec3 reflected = microfacet_fresnel(m, wo.z, eta);

@@ -91,7 +91,7 @@ uvec2 number_of(vec2 u)
 
 // Returns whether `number`, which is below `width`, is in the first part, which has this
 // probability (at most 1/2). Subtracts the beginning of the selected part from the number, and sets
-// the width to that of the part.
+// `width` to the width of the part.
 bool take_first(inout uvec2 number, inout float width, float probability)
 {
     float part = width * probability;

@@ -61,7 +61,7 @@
 #define DISPLAY_CONSTANT_COUNT 6
 
 #define DISPLAY_TEXELS (1u << 0)   // linear images are read as texels
-#define DISPLAY_DENOISED (1u << 1) // the value is that of the denoiser
+#define DISPLAY_DENOISED (1u << 1) // the value comes from the denoiser
 #define DISPLAY_LARGER (1u << 2)   // scaling reduces no axis: interpolates between two pixels
 #define DISPLAY_NEAREST                                                                            \
     (1u << 3)                  // as DISPLAY_LARGER, but without interpolation: pixels appear as

@@ -24,8 +24,8 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// Returns the radiance of a slope under a sun of irradiance `le`; `cosine` is that of the angle
-// between the slope's normal and the direction to the sun.
+// Returns the radiance of a slope under a sun of irradiance `le`; `cosine` is the cosine of the
+// angle between the slope's normal and the direction to the sun.
 static double slope(double rho, double le, double cosine)
 {
     return rho * le * cosine / M_PI;

@@ -117,7 +117,7 @@ static bool add_lamps(struct scene *scene, double side, struct err *err)
     mesh->triangle_material = arena_alloc(&scene->arena, n * n, sizeof *mesh->triangle_material);
     if (!bright || !mesh->triangle_material)
         return err_memory(err, "lamps", (uint64_t)n * n);
-    scene->environment.present = false; // the loader adds one to scenes without light
+    scene->environment.present = false; // the loader adds an environment to scenes without light
     *bright = scene->materials[1];
     for (int c = 0; c < 3; c++)
         bright->emission[c] *= (float)n * (float)n;

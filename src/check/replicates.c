@@ -83,8 +83,8 @@ struct estimate replicates_estimate(const struct replicates *replicates, uint32_
 // how many are needed must not be part of the test.
 #define PILOT_SEED 1000000u
 #define PILOT_SAMPLES 4
-// A safety factor. The standard error of the pilot's variance is 18 % (its chi-square has 63
-// degrees of freedom), and that of the test's variance is the same; their ratio exceeds 2 in less
+// A safety factor. The pilot's variance and the test's variance each have a standard error of 18 %
+// (their chi-squares have 63 degrees of freedom). The ratio of the two variances exceeds 2 in less
 // than 0.4 % of cases.
 #define PILOT_MARGIN 2.0
 

@@ -256,8 +256,8 @@ struct render_call {
     uint64_t samples; // with tiles: number of rounds
     double progress_from, progress_to;
     bool *stopped; // may be NULL
-    // The renderer calls it after every wave, when the film and the renderer's state agree; may be
-    // NULL. If it returns false, the render fails.
+    // The renderer calls after_wave after every wave, when the film and the renderer's state agree.
+    // If after_wave returns false, the render fails. It may be NULL.
     bool (*after_wave)(void *context, struct err *err);
     // Observes the wave kernel by kernel: see wave.h. Each kernel is then submitted alone, which is
     // slow; the film is the same. May be NULL.

@@ -21,7 +21,8 @@ enum aim {
 // A light, or a part of a lamp or of the environment, at which shadow rays are directed.
 struct target {
     bool is_delta; // the target is one of the scene's delta lights
-    // A direction of the environment that scattered paths find about as often as shadow rays do.
+    // Whether scattered paths find this target, a direction of the environment, about as often as
+    // shadow rays do.
     bool is_common;
     uint32_t light;  // index of the light in the scene, or SCENE_NONE
     uint32_t source; // index in survey->is_reached
@@ -459,8 +460,8 @@ static void add_light(const struct survey *survey, const struct tally *tally, ui
     sum->count++;
 }
 
-// If only a few of very many lamps are tested, one behind glass seems to contribute much of the
-// light. Then the places within this many pixels are evaluated together.
+// If only a few of very many lamps are tested, a tested lamp behind glass seems to contribute much
+// of the light. Then the places within this many pixels are evaluated together.
 #define NEAR_PIXELS 4u
 
 static struct lamp_light light_at(const struct survey *survey, const struct tally *tally,

@@ -393,8 +393,8 @@ static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct text
     const struct texture_image *image = &scene->images[texture->image];
     double texels = (double)image->width * image->height;
     uint8_t *lit;
-    // An image with values in [0, 1] has little contrast, such as that of a display or of indicator
-    // lights.
+    // An image with values in [0, 1], such as the image of a display or of indicator lights, has
+    // little contrast.
     if (texels < TEXELS_MIN || image->greatest <= 1.0f)
         return true;
     const struct sun_texel sun = brightest_lamp_texel(image, texture, scene->materials[m].emission);

@@ -4,7 +4,8 @@
 #include "base/maths.h"
 #include <string.h>
 
-// Light that was reflected more often is a small part of the total.
+// The maximum number of surfaces along a path. Light that needs more of them is a small part of the
+// total.
 #define BOUNCES_MAX 4u
 // The number of lines to places, per pixel and bounce.
 #define ROUNDS 8u

@@ -146,8 +146,8 @@ void sighting_scatter(const double normal[3], uint32_t number, double out[3]);
 // Returns the surface at which a line of the camera ends, or NULL if lights cannot illuminate it.
 const struct sighting *sightline_lit_place(const struct survey *survey,
                                            const struct sightline *seen);
-// The height above a surface, in units of its rounding error, at which a point is certainly on that
-// side: rounding leaves six binary digits of it.
+// The height above a surface, in units of the rounding error of its points, at which a point is
+// certainly above the surface: rounding leaves six binary digits of the height.
 #define SIGHTING_HEIGHT 64.0
 // Lines to a point end just before it, at this fraction of their length.
 #define SIGHTLINE_SHORT_OF (1.0 - 0x1p-12)

@@ -374,8 +374,8 @@ static int compare_brightness(const void *a, const void *b)
                : compare_pixels(a, b);
 }
 
-// Represents a group by one light with the same total light; its area is that at which the group's
-// greatest radiance would give this total.
+// Represents a group by one light with the same total light. With the area of this light, the
+// group's greatest radiance would give this total.
 static void sum_up(const struct search *search, struct group *group)
 {
     double light[3] = {0}, greatest = 0;

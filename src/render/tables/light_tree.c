@@ -16,7 +16,7 @@
 #define HALVED 4
 // Maximum depth: the number of bits of a trail.
 #define DEPTH_MAX 64
-// Subtrees with at most this many emitters, or this fraction of all emitters, are built by one
+// Subtrees with at most TASK_LEAVES emitters, or 1 / TASK_PARTS of all emitters, are built by one
 // thread.
 #define TASK_LEAVES 4096
 #define TASK_PARTS 32
