@@ -28,8 +28,8 @@ vec3 normalize_any(vec3 v)
     return normalize(v / max(max(a.x, a.y), max(a.z, 1e-30)));
 }
 
-// The transform of a triangle. Directions are transformed before they are interpolated, as those of
-// triangles in world space were.
+// The transform of a triangle. The directions at the corners are transformed before they are
+// interpolated. For triangles in world space, this was done when the scene was flattened.
 struct placement {
     bool exists;            // false: the triangle is in world space
     instance_inverse inverse;

@@ -93,9 +93,9 @@ static struct drop drop_onto(const struct sighting *at, uint32_t line)
     return drop;
 }
 
-// Returns the distance from which the same line hits surfaces in their true order. The distance
-// along a ray is rounded about 16 times in a triangle's test, each time relative to the ray's
-// length (lib/intersect_triangle.glsl).
+// Returns the rounding error of the distance along the ray to this hit. If the ray starts this far
+// before the hit, it hits close surfaces in their true order. A triangle's test rounds the distance
+// about 16 times, each time relative to the ray's length (lib/intersect_triangle.glsl).
 static double near_height(const struct sighting *at)
 {
     return 16.0 * 0.5 * (double)FLT_EPSILON * (double)at->hit.t;
