@@ -92,6 +92,26 @@ TEST(looking_follows_the_mouse)
     CHECK(fabs(vec3_length(camera.direction) - 1) < 1e-15);
 }
 
+TEST(a_drag_across_the_window_orbits_by_half_a_turn)
+{
+    struct camera camera = usual();
+    struct camera_rig rig = camera_rig_of(&camera);
+    rig.mode = CAMERA_RIG_ORBIT;
+    memset(rig.target, 0, sizeof rig.target);
+    for (int i = 0; i < 10; i++)
+        camera_rig_step(&rig, &(struct camera_rig_input){.look = {128, 0}, .window_width = 1280},
+                        &camera);
+    CHECK(distance(camera.position, (const double[]){0, 0, -5}) < 1e-12, "%g %g",
+          camera.position[0], camera.position[2]);
+    rig.mode = CAMERA_RIG_FLY;
+    struct camera before = camera;
+    camera_rig_step(&rig, &(struct camera_rig_input){.look = {10, 0}, .window_width = 1280},
+                    &camera);
+    CHECK(fabs(vec3_dot(before.direction, camera.direction) - cos(10 * rig.look_degrees * DEGREE)) <
+              1e-12,
+          "the window's width matters to orbits alone");
+}
+
 TEST(pitch_never_flips)
 {
     for (uint32_t mode = 0; mode < CAMERA_RIG_MODE_COUNT; mode++)
@@ -305,7 +325,8 @@ TEST(empty_scenes_can_be_flown_through)
 }
 
 TEST_MAIN(TEST_CASE(nothing_held_changes_no_bit), TEST_CASE(flying_goes_where_keys_say),
-          TEST_CASE(looking_follows_the_mouse), TEST_CASE(pitch_never_flips),
+          TEST_CASE(looking_follows_the_mouse),
+          TEST_CASE(a_drag_across_the_window_orbits_by_half_a_turn), TEST_CASE(pitch_never_flips),
           TEST_CASE(orbits_keep_the_target_in_its_place), TEST_CASE(revolving_takes_its_time),
           TEST_CASE(keys_say_how_fast_it_revolves),
           TEST_CASE(dolly_goes_to_the_target_and_never_through),

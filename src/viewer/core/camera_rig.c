@@ -215,6 +215,14 @@ static bool steer_revolution(struct camera_rig *rig, const struct camera_rig_inp
     return true;
 }
 
+// Returns the angle, in radians, by which a pixel of mouse movement turns the camera.
+static double pixel_angle(const struct camera_rig *rig, const struct camera_rig_input *input)
+{
+    if (rig->mode == CAMERA_RIG_ORBIT && input->window_width > 0)
+        return M_PI / input->window_width;
+    return rig->look_degrees * DEGREE;
+}
+
 bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *given,
                      struct camera *camera)
 {
@@ -222,10 +230,10 @@ bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *give
     struct camera_rig_input steered = *given, *input = &steered;
     if (steer_revolution(rig, input))
         steered.right = 0.0;
-    double degree = M_PI / 180, yaw = -input->look[0] * rig->look_degrees * degree;
-    double pitch = -input->look[1] * rig->look_degrees * degree;
+    double angle = pixel_angle(rig, input);
+    double yaw = -input->look[0] * angle, pitch = -input->look[1] * angle;
     bool orbits = rig->mode == CAMERA_RIG_ORBIT;
-    double revolution = orbits && rig->revolves ? rig->revolve_speed * input->seconds * degree : 0;
+    double revolution = orbits && rig->revolves ? rig->revolve_speed * input->seconds * DEGREE : 0;
     if (orbits && (yaw != 0.0 || pitch != 0.0 || revolution != 0.0))
         orbit(rig, yaw + revolution, pitch, camera);
     else if (yaw != 0.0 || pitch != 0.0)

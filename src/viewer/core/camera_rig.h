@@ -15,16 +15,19 @@ struct camera_rig {
     double speed;         // flying speed, metres per second; > 0
     double revolve_speed; // speed of the automatic revolution, degrees per second
     bool revolves;
-    double look_degrees; // degrees per pixel of mouse movement
+    double look_degrees; // degrees per pixel of mouse movement in fly mode
 };
 
 struct camera_rig_input {
     // Held keys, each from -1 to 1; `right` also changes the speed of a revolution.
     double forward, right, up;
-    bool slow;               // Shift is held
-    double look[2];          // movement of the mouse in pixels: to the right, downwards
-    double pan[2];           // movement of the mouse in pixels with the middle button held
-    double dolly;            // notches of the wheel towards the target; negative: away from it
+    bool slow;      // Shift is held
+    double look[2]; // movement of the mouse in pixels: to the right, downwards
+    double pan[2];  // movement of the mouse in pixels with the middle button held
+    double dolly;   // notches of the wheel towards the target; negative: away from it
+    // Width of the window in pixels; in orbit mode, a drag across it is half a turn. 0: orbits turn
+    // by look_degrees.
+    uint32_t window_width;
     uint32_t picture_height; // pixels; determines the distance that one pixel of panning moves
     double seconds;          // time since the last step
 };

@@ -211,7 +211,7 @@ const struct key_help viewer_keys[] = {
     {"A D", "while the camera revolves (R): slower, faster; below 0 the direction is reversed"},
     {"E Q", "fly up, down"},
     {"Shift", "fly at a tenth of the speed"},
-    {"Right drag", "look around; in orbit mode: rotate about the target"},
+    {"Right drag", "look around; in orbit mode: turn about the surface under the mouse"},
     {"Left drag", "same as Right drag; on the dividing line of a split view: move the line"},
     {"Middle drag", "pan"},
     {"Wheel", "fly mode: change the speed; orbit mode: move closer, farther away"},
@@ -335,6 +335,14 @@ static bool is_on_split(const struct viewer *viewer, double x)
            fabs(x - line) <= SPLIT_POINTS * (double)viewer->shell.window.scale;
 }
 
+// Begins to look around. An orbit turns about the surface that is under the mouse at this time.
+static void begin_look(struct viewer *viewer)
+{
+    struct keys *keys = &viewer->view.keys;
+    keys->drag = DRAG_LOOK;
+    keys->wants_pivot = viewer->view.rig.mode == CAMERA_RIG_ORBIT;
+}
+
 static void press(struct viewer *viewer, int button)
 {
     struct keys *keys = &viewer->view.keys;
@@ -346,9 +354,11 @@ static void press(struct viewer *viewer, int button)
     if (button == 0)
         keys->drag = is_on_split(viewer, keys->x) ? DRAG_SPLIT : DRAG_PENDING;
     else
-        keys->drag = button == 1 ? DRAG_LOOK : DRAG_PAN;
-    if (button == 1)
+        keys->drag = DRAG_PAN;
+    if (button == 1) {
         window_capture(&viewer->shell.window, true);
+        begin_look(viewer);
+    }
 }
 
 static void click(struct viewer *viewer)
@@ -394,7 +404,7 @@ static void take_move(struct viewer *viewer, double x, double y)
     keys->x = x;
     keys->y = y;
     if (keys->drag == DRAG_PENDING && hypot(x - keys->pressed_x, y - keys->pressed_y) > points) {
-        keys->drag = DRAG_LOOK;
+        begin_look(viewer);
         dx = x - keys->pressed_x;
         dy = y - keys->pressed_y;
     }
@@ -474,9 +484,12 @@ void viewer_move_camera(struct viewer *viewer, double seconds)
         .look = {keys->look[0], keys->look[1]},
         .pan = {keys->pan[0], keys->pan[1]},
         .dolly = keys->dolly,
+        .window_width = viewer->shell.window.width,
         .picture_height = place[3],
         .seconds = seconds,
     };
+    if (keys->wants_pivot) // viewer_answer_click() finds it in the image before the camera turns
+        return;
     if (viewer->document.has_scene && camera_rig_step(&viewer->view.rig, &input, &camera))
         edit_camera(viewer, &camera, "keys.camera");
     keys->look[0] = keys->look[1] = keys->pan[0] = keys->pan[1] = keys->dolly = 0.0;
@@ -491,10 +504,27 @@ static void choose(struct viewer *viewer, const struct picked *picked)
     viewer->document.chosen_material = picked->material;
 }
 
+// Makes the surface under the mouse, if there is one, the target of the orbit that has begun.
+static bool find_pivot(struct viewer *viewer, struct err *err)
+{
+    struct keys *keys = &viewer->view.keys;
+    struct picked picked;
+    if (!keys->wants_pivot)
+        return true;
+    keys->wants_pivot = false;
+    if (!viewer_pick(viewer, keys->pressed_x, keys->pressed_y, &picked, err))
+        return false;
+    if (picked.object != VIEWER_NO_OBJECT)
+        memcpy(viewer->view.rig.target, picked.position, sizeof viewer->view.rig.target);
+    return true;
+}
+
 bool viewer_answer_click(struct viewer *viewer, struct err *err)
 {
     struct keys *keys = &viewer->view.keys;
     struct picked picked;
+    if (!find_pivot(viewer, err))
+        return false;
     if (!keys->wants_pick)
         return true;
     keys->wants_pick = false;

@@ -29,7 +29,7 @@ static void moving(struct panel *panel, struct viewpoint *view)
     struct gui *gui = panel->gui;
     struct camera_rig *rig = &view->rig;
     gui_choice(gui, "camera.mode", "Moves",
-               "Fly freely, or orbit the point that was double-clicked (C changes it).",
+               "Fly freely, or orbit the surface under the mouse (C changes it).",
                camera_rig_mode_names, &rig->mode);
     gui_number(gui, "camera.speed", "Speed", "Flying speed in metres per second.", &speed,
                &rig->speed);
