@@ -15,6 +15,16 @@ def each(name, first, words, effect='result'):
     return [(name, word, effect, None) for word in words[:-1]] + [(name, words[-1], effect, first)]
 
 
+# The tabs and the search box of the panel.
+PANEL = [
+    *[('panel.' + name, 'on', 'state', None) for name in ('scene', 'object', 'camera', 'measure', 'render')],
+    ('panel.search', 'tone curve', 'state', ''),
+    # A click on an object opens the tab in which it is selected.
+    'set panel.search exposure', 'wait 2 frames', 'mouse 168 100', 'button left', 'wait 4 frames',
+    'expect picked.distance > 0', 'expect item.panel.object == on', 'expect item.panel.search == ""',
+    'press panel.render',
+]
+
 VIEW = [
     ('view.exposure', '1.5', 'picture'),
     ('view.exposure_auto', 'on', 'picture', None),
@@ -305,5 +315,5 @@ CAMERAS = [
     'expect item.animation.time > 0.1',
 ]
 
-STEPS = {'view': VIEW, 'renderer': RENDERER, 'camera': CAMERA, 'scene': SCENE, 'lights': LIGHTS,
+STEPS = {'panel': PANEL, 'view': VIEW, 'renderer': RENDERER, 'camera': CAMERA, 'scene': SCENE, 'lights': LIGHTS,
          'materials': MATERIALS, 'objects': OBJECTS, 'files': FILES, 'cameras': CAMERAS}

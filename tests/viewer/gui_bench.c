@@ -1,5 +1,8 @@
 #include "gui_bench.h"
 
+static const struct gui_tab tabs[] = {{"tabs.first", "First", "Kinds and a list."},
+                                      {"tabs.second", "Second", "Nested groups."},
+                                      {NULL, NULL, NULL}};
 static const char *const words[] = {"alpha", "beta", "gamma", NULL};
 const struct gui_range bench_unit = {0, 1};
 const struct gui_range bench_metres = {0, 1e9, .logarithmic = true, .unit = "m", .least = "none"};
@@ -45,8 +48,9 @@ static void draw_kinds(struct bench *bench)
     used(bench, gui_switch(gui, "kinds.switch", "Switch", "On or off.", &v->on));
     gui_enabled(gui, !bench->disabled);
     used(bench, gui_number(gui, "kinds.number", "Number", "A part.", &bench_unit, &v->number));
-    gui_enabled(gui, true);
+    gui_applies(gui, !bench->useless);
     used(bench, gui_float(gui, "kinds.float", "Float", "Metres.", &bench_metres, &v->real));
+    gui_applies(gui, true);
     used(bench, gui_count(gui, "kinds.count", "Count", "Whole.", &bench_counts, &v->count));
     used(bench, gui_choice(gui, "kinds.choice", "Choice", "A word.", words, &v->choice));
     used(bench, gui_color(gui, "kinds.color", "Colour", "Linear.", &bench_unit, v->color));
@@ -72,10 +76,16 @@ static void draw_list(struct bench *bench)
         char id[32];
         snprintf(id, sizeof id, "rows.%u", row);
         bench->row_calls++;
+        bool on = true;
+        char part[40];
+        snprintf(part, sizeof part, "%s.on", id);
+        gui_switch(gui, part, "", "A switch in front of a row.", &on);
+        gui_same_line(gui);
         if (gui_row(gui, id, id, "A row.", row == bench->values.chosen))
             bench->values.chosen = row;
     }
     gui_list_end(gui, &list);
+    gui_button(gui, "list.after", "After", "Below the list.");
     gui_group_end(gui);
 }
 
@@ -84,11 +94,17 @@ void bench_frame(struct bench *bench)
     struct gui *gui = &bench->gui;
     gui_begin(gui, bench->width ? bench->width : BENCH_WIDTH,
               bench->height ? bench->height : BENCH_HEIGHT, 1.0 / 60.0);
-    gui_panel_begin(gui, "Test", "");
+    gui_panel_begin(gui, "Test", "", bench->has_tabs ? tabs : NULL);
+    if (bench->has_tabs)
+        gui_tab_begin(gui, "tabs.first");
     draw_kinds(bench);
     for (uint32_t i = 0; i < bench->fillers; i++)
         gui_line(gui, "line %u", i);
     draw_list(bench);
+    if (bench->has_tabs) {
+        gui_tab_end(gui);
+        gui_tab_begin(gui, "tabs.second");
+    }
     gui_group_begin(gui, "outer", "Outer", "Closed at first.", false);
     gui_group_begin(gui, "inner", "Inner", "Closed, too.", false);
     bool on = bench->values.choice == 2;
@@ -96,6 +112,8 @@ void bench_frame(struct bench *bench)
         bench->values.choice = on ? 2 : 0;
     gui_group_end(gui);
     gui_group_end(gui);
+    if (bench->has_tabs)
+        gui_tab_end(gui);
     gui_panel_end(gui);
     gui_end(gui, &bench->drawing);
 }

@@ -26,7 +26,9 @@ struct bench {
     struct values values;
     struct gpu_drawing drawing;
     bool disabled;    // the number is disabled
+    bool useless;     // the float does not apply
     bool has_twice;   // an id occurs twice
+    bool has_tabs;    // the first two groups are in one tab, the others in another
     uint32_t fillers; // lines above the last group
     uint32_t rows, row_calls;
     uint32_t width, height; // size of the window; 0: BENCH_WIDTH and BENCH_HEIGHT

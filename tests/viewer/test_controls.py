@@ -22,8 +22,8 @@ from viewer_run import ROOT, Case
 HERE = os.path.dirname(os.path.abspath(__file__))
 SIZE = '240x135'
 # Steps that use another scene than tour.json, because its kernels compile faster.
-FILES = {'view': 'other.json', 'renderer': 'other.json', 'cameras': 'cameras.gltf'}
-TOURS = {'picture': ['view', 'renderer', 'camera', 'scene'], 'materials': ['materials'],
+FILES = {'panel': 'other.json', 'view': 'other.json', 'renderer': 'other.json', 'cameras': 'cameras.gltf'}
+TOURS = {'picture': ['panel', 'view', 'renderer', 'camera', 'scene'], 'materials': ['materials'],
          'objects': ['lights', 'objects', 'files', 'cameras']}
 assert sorted(sum(TOURS.values(), [])) == sorted(STEPS)
 

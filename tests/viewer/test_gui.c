@@ -391,6 +391,126 @@ TEST(reveal_opens_and_scrolls)
     bench_free(bench);
 }
 
+// --- tabs and search -----------------------------------------------------------------------------
+
+static struct bench *bench_with_tabs(void)
+{
+    struct bench *bench = bench_new(1);
+    bench->has_tabs = true;
+    bench_frames(bench, 2);
+    return bench;
+}
+
+static bool is_shown(const struct bench *bench, const char *id)
+{
+    const struct gui_item *item = gui_find(&bench->gui, id);
+    CHECK(item, "there is no %s", id);
+    return item && item->is_shown;
+}
+
+TEST(one_tab_is_open)
+{
+    struct bench *bench = bench_with_tabs();
+    CHECK_VALUE(bench, "tabs.first", "on");
+    CHECK_VALUE(bench, "tabs.second", "off");
+    CHECK(is_shown(bench, "kinds.number") && !is_shown(bench, "outer"), "the first tab");
+    bench_click(bench, "tabs.second");
+    CHECK_VALUE(bench, "tabs.first", "off");
+    CHECK_VALUE(bench, "tabs.second", "on");
+    CHECK(!is_shown(bench, "kinds.number") && is_shown(bench, "outer"), "the second tab");
+    CHECK_SET(bench, "tabs.first", "on");
+    CHECK_VALUE(bench, "tabs.first", "on");
+    CHECK_REFUSED(bench, "tabs.first", "off", "another tab closes this one");
+    set_all(bench);
+    CHECK_SET(bench, "inner.switch", "on"); // it is in the other tab
+    CHECK(bench->values.choice == 2, "%u", bench->values.choice);
+    bench_free(bench);
+}
+
+TEST(reveal_opens_tabs)
+{
+    struct bench *bench = bench_with_tabs();
+    CHECK_SET(bench, "panel.search", "number");
+    gui_reveal(&bench->gui, "inner.switch");
+    bench_frames(bench, 2);
+    CHECK_VALUE(bench, "tabs.second", "on");
+    CHECK_VALUE(bench, "panel.search", "");
+    bench_click(bench, "inner.switch");
+    CHECK(bench->values.choice == 2, "%u", bench->values.choice);
+    bench_free(bench);
+}
+
+TEST(a_search_shows_controls_of_all_tabs)
+{
+    static const struct {
+        const char *words, *shown, *not_shown;
+    } searches[] = {
+        {"NUMBER", "kinds.number", "kinds.switch"},       // a label
+        {"two groups", "inner.switch", "kinds.switch"},   // a help, in a closed group
+        {"kinds metres", "kinds.vector", "kinds.number"}, // an id and a help
+        {"  colour ", "kinds.color", "kinds.choice"},     // blanks are not part of words
+        {"switch", "inner.switch", "kinds.number"},       // controls of two tabs
+        {"switch", "kinds.switch", "kinds.row"},
+    };
+    struct bench *bench = bench_with_tabs();
+    for (size_t i = 0; i < sizeof searches / sizeof *searches; i++) {
+        CHECK_SET(bench, "panel.search", searches[i].words);
+        bench_frames(bench, 2);
+        CHECK(is_shown(bench, searches[i].shown), "\"%s\" finds %s", searches[i].words,
+              searches[i].shown);
+        CHECK(!is_shown(bench, searches[i].not_shown), "\"%s\" does not find %s", searches[i].words,
+              searches[i].not_shown);
+        CHECK(!is_shown(bench, "outer"), "groups have no headings of their own");
+    }
+    bench_click(bench, "kinds.switch");
+    CHECK(bench->values.on, "what was found can be used");
+    bench_click(bench, "tabs.second");
+    CHECK_VALUE(bench, "panel.search", "");
+    CHECK(is_shown(bench, "outer") && !is_shown(bench, "kinds.switch"), "a tab ends the search");
+    bench_free(bench);
+}
+
+TEST(a_search_follows_the_words_that_are_typed)
+{
+    struct bench *bench = bench_with_tabs();
+    bench_click(bench, "panel.search");
+    bench_type(bench, "deep");
+    bench_frames(bench, 6);
+    CHECK_VALUE(bench, "panel.search", "");
+    CHECK(is_shown(bench, "inner.switch") && !is_shown(bench, "kinds.switch"), "before Enter");
+    bench_key(bench, GLFW_KEY_ESCAPE);
+    bench_frames(bench, 4);
+    CHECK(!is_shown(bench, "inner.switch") && is_shown(bench, "kinds.switch"), "Escape");
+    bench_free(bench);
+}
+
+TEST(a_search_finds_rows_of_lists)
+{
+    struct bench *bench = bench_with_tabs();
+    bench->rows = 1000000;
+    CHECK_SET(bench, "panel.search", "rows.12");
+    bench_frames(bench, 2);
+    CHECK(bench->row_calls <= GUI_LIST_IDS, "%u rows", bench->row_calls);
+    CHECK(is_shown(bench, "rows.12") && !is_shown(bench, "rows.13"), "rows");
+    bench_click(bench, "rows.12");
+    CHECK(bench->values.chosen == 12, "%u", bench->values.chosen);
+    bench_free(bench);
+}
+
+TEST(what_does_not_apply_is_shown_to_searches_alone)
+{
+    struct bench *bench = bench_with_tabs();
+    CHECK(is_shown(bench, "kinds.float"), "it applies");
+    bench->useless = true;
+    bench_frames(bench, 2);
+    CHECK(!is_shown(bench, "kinds.float") && is_shown(bench, "kinds.count"), "hidden");
+    CHECK_REFUSED(bench, "kinds.float", "1", "kinds.float is disabled");
+    CHECK_SET(bench, "panel.search", "float");
+    bench_frames(bench, 2);
+    CHECK(is_shown(bench, "kinds.float"), "found");
+    bench_free(bench);
+}
+
 TEST(reveal_scrolls_lists)
 {
     struct bench *bench = bench_new(1);
@@ -413,6 +533,8 @@ TEST(long_lists_cost_what_is_seen_of_them)
     CHECK_SET(bench, "list", "open");
     bench_frames(bench, 2);
     CHECK(bench->row_calls <= GUI_LIST_IDS + 1 + 8, "%u rows", bench->row_calls);
+    CHECK(gui_find(&bench->gui, "list.after")->rect[0] < 40.0f, "it begins a line: %g",
+          (double)gui_find(&bench->gui, "list.after")->rect[0]);
     CHECK(gui_find(&bench->gui, "rows.63"), "the first ones");
     CHECK(!gui_find(&bench->gui, "rows.64"), "and no others");
     CHECK(gui_find(&bench->gui, "rows.765432"), "but the chosen one");
@@ -444,5 +566,10 @@ TEST_MAIN(TEST_CASE(scripts_set_every_kind), TEST_CASE(scripts_reach_closed_grou
           TEST_CASE(numbers_and_texts_are_typed), TEST_CASE(disabled_controls_take_no_mouse),
           TEST_CASE(untouched_values_keep_their_bits), TEST_CASE(events_go_where_they_belong),
           TEST_CASE(help_on_numbers_has_their_range), TEST_CASE(help_of_what_the_mouse_is_over),
+          TEST_CASE(one_tab_is_open), TEST_CASE(reveal_opens_tabs),
+          TEST_CASE(a_search_shows_controls_of_all_tabs),
+          TEST_CASE(a_search_follows_the_words_that_are_typed),
+          TEST_CASE(a_search_finds_rows_of_lists),
+          TEST_CASE(what_does_not_apply_is_shown_to_searches_alone),
           TEST_CASE(reveal_opens_and_scrolls), TEST_CASE(reveal_scrolls_lists),
           TEST_CASE(long_lists_cost_what_is_seen_of_them), TEST_CASE(an_id_twice_is_told))

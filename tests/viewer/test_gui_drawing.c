@@ -72,7 +72,7 @@ static void draw_charts(struct bench *bench, uint32_t count, const struct gui_cu
 {
     const struct gui_bar bars[] = {{"one", 0}, {"two", 1e-9}, {"three", 1e9}};
     gui_begin(&bench->gui, BENCH_WIDTH, BENCH_HEIGHT, 1.0 / 60.0);
-    gui_panel_begin(&bench->gui, "Test", "");
+    gui_panel_begin(&bench->gui, "Test", "", NULL);
     gui_bars(&bench->gui, bars, 3, "ms");
     gui_bars(&bench->gui, bars, 1, "ms");
     gui_curves(&bench->gui, curves, count, "seconds", "relMSE");

@@ -20,6 +20,9 @@ CORNELL = os.path.join(SCENES, 'cornell.json')
 SPHERES = os.path.join(SCENES, 'spheres.json')
 DATA = os.path.join(os.path.dirname(ROOT), 'shared', 'data')
 SIZE = '160x90'
+# Viewers with a window keep a list of recent scenes; that of the user stays as it is.
+STATE = tempfile.TemporaryDirectory()
+os.environ['XDG_STATE_HOME'] = STATE.name
 
 
 class Result:

@@ -10,6 +10,7 @@
 #include "viewer/core/viewer.h"
 #include <GLFW/glfw3.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 // The greatest distance, in points, that the mouse may move while its button is held for a click.
@@ -215,7 +216,7 @@ const struct key_help viewer_keys[] = {
     {"Left drag", "same as Right drag; on the dividing line of a split view: move the line"},
     {"Middle drag", "pan"},
     {"Wheel", "fly mode: change the speed; orbit mode: move closer, farther away"},
-    {"Click", "show the surface under the mouse in the panel"},
+    {"Click", "select the object under the mouse, and open its tab in the panel"},
     {"Double click", "make this point the centre of orbits and the focus of the lens"},
     {"C", "fly or orbit"},
     {"R", "start or stop revolving about the target"},
@@ -495,6 +496,16 @@ void viewer_move_camera(struct viewer *viewer, double seconds)
     keys->look[0] = keys->look[1] = keys->pan[0] = keys->pan[1] = keys->dolly = 0.0;
 }
 
+// Opens the panel's tab of objects, and scrolls its list to the selected one.
+static void show_choice(struct viewer *viewer)
+{
+    char id[GUI_ID_MAX];
+    snprintf(id, sizeof id, "object.%u", viewer->document.chosen_object);
+    // The row may have no control yet, because lists draw few of their rows.
+    gui_reveal(&viewer->shell.gui, "objects");
+    gui_reveal(&viewer->shell.gui, id);
+}
+
 static void choose(struct viewer *viewer, const struct picked *picked)
 {
     viewer->document.picked = *picked;
@@ -502,6 +513,7 @@ static void choose(struct viewer *viewer, const struct picked *picked)
         return;
     viewer->document.chosen_object = picked->object;
     viewer->document.chosen_material = picked->material;
+    show_choice(viewer);
 }
 
 // Makes the surface under the mouse, if there is one, the target of the orbit that has begun.

@@ -138,20 +138,31 @@ static void begin_window(struct gui *gui, const char *title, struct im_vec size)
            sizeof gui->place);
 }
 
-bool gui_panel_begin(struct gui *gui, const char *title, const char *facts)
+static float label_width(void)
+{
+    return floorf(im_now().room * 0.40f);
+}
+
+bool gui_panel_begin(struct gui *gui, const char *title, const char *facts,
+                     const struct gui_tab *tabs)
 {
     struct gui_state *own = gui->own;
     const struct im_place now = im_now();
     own->is_drawn = !gui->is_hidden && now.display.x > 0.0f && now.display.y > 0.0f;
     memset(gui->place, 0, sizeof gui->place);
+    if (own->is_drawn) {
+        gui->width = gui_panel_width(gui, (uint32_t)now.display.x);
+        begin_window(gui, title, now.display);
+        if (facts[0])
+            put_text(IM_DIM, -1.0f, "%s", facts);
+        own->label_width = label_width();
+    }
+    if (tabs)
+        tabs_begin(gui, tabs);
     if (!own->is_drawn)
         return false;
-    gui->width = gui_panel_width(gui, (uint32_t)now.display.x);
-    begin_window(gui, title, now.display);
-    if (facts[0])
-        put_text(IM_DIM, -1.0f, "%s", facts);
     im_child_begin("controls", -(HELP_LINES * now.line + 2.0f * now.spacing.y), false);
-    own->label_width = floorf(im_now().room * 0.40f);
+    own->label_width = label_width();
     return true;
 }
 
@@ -177,6 +188,8 @@ void gui_panel_end(struct gui *gui)
     struct gui_state *own = gui->own;
     if (!own->is_drawn)
         return;
+    if (own->is_searching && own->found_count == 0)
+        put_text(IM_DIM, 0.0f, "No control has the words \"%s\" in its name or help.", own->sought);
     im_child_end(false);
     draw_help(gui);
     im_panel_end();
@@ -185,7 +198,7 @@ void gui_panel_end(struct gui *gui)
 
 void gui_space(struct gui *gui)
 {
-    if (gui->own->is_drawn)
+    if (gui_is_drawn(gui))
         im_dummy(0.0f, im_now().spacing.y);
 }
 
@@ -197,7 +210,7 @@ __attribute__((format(printf, 5, 0))) static void line(struct gui *gui, const ch
                                                        const char *format, va_list arguments)
 {
     const float width = gui->own->label_width;
-    if (!gui->own->is_drawn)
+    if (!gui_is_drawn(gui))
         return;
     if (label) {
         put_text(IM_DIM, wrap < 0.0f ? wrap : width - im_now().inner_spacing, "%s", label);

@@ -29,6 +29,7 @@ enum gui_kind {
     GUI_VECTOR, // its value is "X,Y,Z"
     GUI_TEXT,
     GUI_ROW, // a row of a list; its value is "on" if it is selected
+    GUI_TAB, // a tab of the panel; its value is "on" if it is open
 };
 
 // A control as it was drawn in this frame.
@@ -37,7 +38,7 @@ struct gui_item {
     char value[GUI_VALUE_MAX]; // the value at the end of the frame
     enum gui_kind kind;
     float rect[4]; // the clickable rectangle: left, top, right, bottom, in pixels
-    bool is_shown; // it is visible: neither scrolled away nor in a closed group
+    bool is_shown; // it is visible: neither scrolled away nor in a closed group or tab
     bool is_enabled;
     char label[GUI_LABEL_MAX];
     const char *help; // owned by the caller
@@ -87,16 +88,28 @@ const char *gui_duplicate(const struct gui *gui);
 // calls before a frame are all applied, and the result is that of the first failure.
 void gui_set(struct gui *gui, const char *id, const char *value);
 const char *gui_set_result(const struct gui *gui);
-// Opens the groups around a control and scrolls to it. Two frames later its rectangle can be
-// clicked.
+// Opens the tab and the groups around a control, ends a search, and scrolls to the control. Two
+// frames later its rectangle can be clicked.
 void gui_reveal(struct gui *gui, const char *id);
 const struct gui_item *gui_find(const struct gui *gui, const char *id);
 
 // --- layout --------------------------------------------------------------------------------------
+// A tab of the panel. One of them is open at a time.
+struct gui_tab {
+    const char *id, *label, *help;
+};
 // Begins the panel's window at the left. Returns false if it is hidden: then nothing is drawn, but
-// controls may still be called, for scripts. `facts` is shown below the title.
-bool gui_panel_begin(struct gui *gui, const char *title, const char *facts);
+// controls may still be called, for scripts. `facts` is shown below the title. `tabs` ends with
+// {NULL}; NULL: there are none. Above the tabs is a box ("panel.search") for words. While it has
+// any, the controls of all tabs and groups are drawn whose labels, ids or helps contain all words.
+bool gui_panel_begin(struct gui *gui, const char *title, const char *facts,
+                     const struct gui_tab *tabs);
 void gui_panel_end(struct gui *gui);
+// All controls must be between these calls if the panel has tabs. Those of a tab that is not open
+// must be called in any case, as for groups. Tabs are not nested.
+void gui_tab_begin(struct gui *gui, const char *id);
+void gui_open_tab(struct gui *gui, const char *id);
+void gui_tab_end(struct gui *gui);
 // Begins a group, and returns whether it is open. Controls must be called in any case: those in a
 // closed group are not drawn, but have an item (with is_shown false), and scripts can set them.
 bool gui_group_begin(struct gui *gui, const char *id, const char *label, const char *help,
@@ -104,7 +117,9 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
 void gui_group_end(struct gui *gui);
 void gui_enabled(struct gui *gui,
                  bool enabled); // applies to the controls that follow, until a group begins or ends
-// Returns whether the controls that follow are drawn; if not, texts need not be formatted.
+// As gui_enabled(), but controls that do not apply are drawn only if they are searched for.
+void gui_applies(struct gui *gui, bool applies);
+// Returns whether texts that follow are drawn; if not, texts need not be formatted.
 bool gui_is_drawn(const struct gui *gui);
 void gui_same_line(struct gui *gui);
 void gui_space(struct gui *gui);

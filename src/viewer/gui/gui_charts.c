@@ -43,7 +43,7 @@ static void draw_bar(const struct gui_state *own, const struct gui_bar *bar, con
 void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit)
 {
     const struct gui_state *own = gui->own;
-    if (!own->is_drawn)
+    if (!gui_is_drawn(gui))
         return;
     const struct im_place now = im_now();
     double most = 0.0;
@@ -258,7 +258,7 @@ void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,
                 const char *x_label, const char *y_label)
 {
     const struct gui_state *own = gui->own;
-    if (!own->is_drawn)
+    if (!gui_is_drawn(gui))
         return;
     struct ImDrawList *list = im_layer(IM_WINDOW);
     const struct im_place now = im_now();

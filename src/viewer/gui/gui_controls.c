@@ -15,8 +15,7 @@
 
 // --- functions for all controls ------------------------------------------------------------------
 
-// Records the rectangle of ImGui's last item, and whether the mouse is over it.
-static void note_drawn(struct gui *gui, struct gui_item *item)
+void controls_note_drawn(struct gui *gui, struct gui_item *item)
 {
     struct gui_state *own = gui->own;
     const struct im_item last = im_last();
@@ -47,8 +46,14 @@ static void put_label(struct gui *gui, struct gui_item *item)
     im_draw_text(im_layer(IM_WINDOW), at.x, at.y + now.frame_padding.y, IM_TEXT, item->label, &box,
                  0.0f);
     im_dummy(width, now.frame);
-    note_drawn(gui, item);
+    controls_note_drawn(gui, item);
     im_same_line(column, -1.0f);
+}
+
+// Returns whether a control is not drawn although its group is open.
+static bool leaves_out(const struct gui_state *own, const struct gui_item *item)
+{
+    return own->is_searching ? !search_finds(own, item) : own->is_useless;
 }
 
 // Enters a control into the registry, and starts to draw it if it is visible. *wish receives the
@@ -60,8 +65,14 @@ static struct gui_item *begin(struct gui *gui, const char *id, enum gui_kind kin
     struct gui_item *item = items_add(own, id, kind, label, help);
     bool has_label = kind != GUI_GROUP && kind != GUI_BUTTON && kind != GUI_ROW;
     *wish = items_wish(own, item);
+    own->was_drawn = own->is_drawn;
+    own->is_left_out = own->is_drawn && leaves_out(own, item);
+    own->is_drawn = own->is_drawn && !own->is_left_out;
+    own->same_line = own->same_line && !own->is_left_out;
     if (!own->is_drawn)
         return item;
+    if (own->is_searching && !own->same_line)
+        search_heading(own);
     im_item_begin(item->id, !item->is_enabled);
     if (own->same_line)
         im_same_line(0.0f, -1.0f);
@@ -76,11 +87,12 @@ static bool end(struct gui *gui, struct gui_item *item, bool is_changed)
     bool is_value = item->kind != GUI_GROUP && item->kind != GUI_BUTTON && item->kind != GUI_ROW;
     if (is_changed && is_value)
         gui->used = item->id;
-    if (!own->is_drawn)
-        return is_changed;
-    note_drawn(gui, item);
-    im_item_end();
+    if (own->is_drawn) {
+        controls_note_drawn(gui, item);
+        im_item_end();
+    }
     own->same_line = false;
+    own->is_drawn = own->was_drawn;
     return is_changed;
 }
 
@@ -93,12 +105,12 @@ static float rest_of_line(void)
 
 static bool draw_group(struct gui *gui, struct gui_item *item, bool is_open)
 {
-    bool is_inner = gui->own->depth > 0;
+    bool is_inner = gui->own->depth > gui->own->outer;
     im_item_begin(item->id, false);
     if (!is_inner)
         im_dummy(0.0f, 0.0f);
     bool now = im_tree(item->label, is_open, !is_inner);
-    note_drawn(gui, item);
+    controls_note_drawn(gui, item);
     im_item_end();
     if (is_inner && now)
         im_indent(1);
@@ -109,10 +121,10 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
                      bool open_at_first)
 {
     struct gui_state *own = gui->own;
-    own->is_enabled = true;
+    gui_enabled(gui, true);
     own->same_line = false;
     struct gui_item *item = items_add(own, id, GUI_GROUP, label, help);
-    uint32_t index = items_group(own, id, open_at_first);
+    uint32_t index = items_group(own, id, label, open_at_first);
     struct gui_group *group = index ? &own->groups[index - 1] : NULL;
     bool is_open = group ? group->is_open : true;
     const char *wish = items_wish(own, item);
@@ -120,7 +132,7 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
         items_refuse(own, "%s: \"%.60s\" is neither \"open\" nor \"closed\"", id, wish);
     else if (wish)
         is_open = wish[0] == 'o';
-    if (own->is_drawn)
+    if (own->is_drawn && !own->is_searching)
         is_open = draw_group(gui, item, is_open);
     if (group)
         group->is_open = is_open;
@@ -128,7 +140,7 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
     assert(own->depth < GUI_DEPTH_MAX);
     own->stack[own->depth] = index;
     own->stack_drawn[own->depth++] = own->is_drawn;
-    own->is_drawn = own->is_drawn && is_open;
+    own->is_drawn = own->is_drawn && (is_open || own->is_searching);
     return is_open;
 }
 
@@ -136,26 +148,33 @@ void gui_group_end(struct gui *gui)
 {
     struct gui_state *own = gui->own;
     assert(own->depth > 0);
-    if (own->is_drawn && own->depth > 1)
+    if (own->is_drawn && own->depth > own->outer + 1 && !own->is_searching)
         im_indent(-1);
     own->is_drawn = own->stack_drawn[--own->depth];
-    own->is_enabled = true;
+    gui_enabled(gui, true);
     own->same_line = false;
 }
 
 void gui_enabled(struct gui *gui, bool enabled)
 {
     gui->own->is_enabled = enabled;
+    gui->own->is_useless = false;
+}
+
+void gui_applies(struct gui *gui, bool applies)
+{
+    gui->own->is_enabled = applies;
+    gui->own->is_useless = !applies;
 }
 
 bool gui_is_drawn(const struct gui *gui)
 {
-    return gui->own->is_drawn;
+    return gui->own->is_drawn && !gui->own->is_searching;
 }
 
 void gui_same_line(struct gui *gui)
 {
-    gui->own->same_line = true;
+    gui->own->same_line = !gui->own->is_left_out;
 }
 
 // --- simple ones ---------------------------------------------------------------------------------
@@ -220,7 +239,7 @@ static void draw_choice(struct gui *gui, const struct gui_item *item, const char
         bool wished = items_wish(own, entry) != NULL;
         if (im_row(names[i], i == *value) || wished)
             *value = i;
-        note_drawn(gui, entry);
+        controls_note_drawn(gui, entry);
         snprintf(entry->value, sizeof entry->value, "%s", i == *value ? "on" : "off");
     }
     im_combo_end();
@@ -401,7 +420,7 @@ static void draw_swatch(struct gui *gui, struct gui_item *item, const struct gui
         float to = (float)((double)image_srgb_to_linear(shown[c]) * strength);
         value[c] = fmin(fmax((double)to, range->min), range->max);
     }
-    note_drawn(gui, item);
+    controls_note_drawn(gui, item);
     im_same_line(0.0f, now.inner_spacing);
 }
 
@@ -486,6 +505,7 @@ bool gui_color(struct gui *gui, const char *id, const char *label, const char *h
 }
 
 // --- lists ---------------------------------------------------------------------------------------
+// In a search, the rows that scripts may find are drawn as other controls are, if they are found.
 
 // Computes which rows of a list are visible. Positions are doubles, because 10^6 rows are more
 // pixels than single precision resolves, and rows would jitter. ImGui's own rounding moves all rows
@@ -514,7 +534,7 @@ void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list)
     list->was_drawn = own->is_drawn;
     own->reveal_hit = false;
     own->list_reveal = -1.0;
-    if (!own->is_drawn)
+    if (!gui_is_drawn(gui))
         return;
     const struct im_place now = im_now();
     uint32_t rows = list->count < list->height ? list->count : list->height;
@@ -549,9 +569,10 @@ bool gui_list_next(struct gui *gui, struct gui_list *list, uint32_t *row)
         return false;
     *row = next;
     list->next = next + 1;
-    own->is_drawn = list->was_drawn && next >= list->first && next < list->last;
+    bool is_in_view = next >= list->first && next < list->last;
+    own->is_drawn = list->was_drawn && (is_in_view || own->is_searching);
     own->same_line = false;
-    if (own->is_drawn)
+    if (gui_is_drawn(gui))
         go_to_row(next);
     return true;
 }
@@ -560,7 +581,7 @@ void gui_list_end(struct gui *gui, struct gui_list *list)
 {
     struct gui_state *own = gui->own;
     own->is_drawn = list->was_drawn;
-    if (!own->is_drawn)
+    if (!gui_is_drawn(gui))
         return;
     const struct im_place now = im_now();
     go_to_row(list->count);

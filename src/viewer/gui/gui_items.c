@@ -29,8 +29,13 @@ void items_begin(struct gui_state *own)
 {
     own->item_count = 0;
     own->depth = 0;
+    own->outer = 0;
     own->is_enabled = true;
+    own->is_useless = false;
     own->is_drawn = false;
+    own->is_left_out = false;
+    own->is_searching = false;
+    own->found_count = own->found_in = 0;
     own->same_line = false;
     own->reveal_hit = false;
     own->list_reveal = -1.0;
@@ -131,15 +136,19 @@ void items_end(struct gui *gui)
     memcpy(own->last_duplicate, own->duplicate, sizeof own->last_duplicate);
 }
 
-uint32_t items_group(struct gui_state *own, const char *id, bool open_at_first)
+uint32_t items_group(struct gui_state *own, const char *id, const char *label, bool open_at_first)
 {
     for (uint32_t i = 0; i < own->group_count; i++)
-        if (strcmp(own->groups[i].id, id) == 0)
+        if (strcmp(own->groups[i].id, id) == 0) {
+            if (label[0])
+                snprintf(own->groups[i].label, sizeof own->groups[i].label, "%s", label);
             return i + 1;
+        }
     if (own->group_count == GUI_GROUPS_MAX)
         return 0;
     struct gui_group *group = &own->groups[own->group_count++];
     snprintf(group->id, sizeof group->id, "%s", id);
+    snprintf(group->label, sizeof group->label, "%s", label);
     group->is_open = open_at_first;
     group->parent = own->depth ? own->stack[own->depth - 1] : 0;
     return own->group_count;
@@ -180,8 +189,12 @@ void gui_reveal(struct gui *gui, const char *id)
     snprintf(own->reveal, sizeof own->reveal, "%s", id);
     // The first frame opens the groups; in the second one their sizes are known.
     own->reveal_frames = 2;
-    for (uint32_t group = item ? item->group : 0; group; group = own->groups[group - 1].parent)
+    own->search[0] = '\0';
+    for (uint32_t group = item ? item->group : 0; group; group = own->groups[group - 1].parent) {
         own->groups[group - 1].is_open = true;
+        if (own->groups[group - 1].is_tab)
+            own->tab = group;
+    }
 }
 
 const struct gui_item *gui_find(const struct gui *gui, const char *id)

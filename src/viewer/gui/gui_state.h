@@ -1,6 +1,6 @@
 // The state that the files of the panel's controls share. gui_items.c and gui_values.c implement
-// the registry; gui.c, gui_events.c, gui_controls.c, gui_charts.c and gui_overlay.c draw with Dear
-// ImGui through imgui_bridge.h.
+// the registry; gui.c, gui_events.c, gui_controls.c, gui_tabs.c, gui_charts.c and gui_overlay.c
+// draw with Dear ImGui through imgui_bridge.h.
 #ifndef LAMPYRIS_VIEWER_GUI_GUI_STATE_H
 #define LAMPYRIS_VIEWER_GUI_GUI_STATE_H
 
@@ -12,6 +12,7 @@
 #define GUI_EVENTS_MAX 1024
 #define GUI_TEXT_MAX 1024
 #define GUI_WHY_MAX 512
+#define GUI_SEARCH_MAX 64
 #define GUI_SLOTS 4096 // a power of two, and twice GUI_ITEMS_MAX
 
 // A value to which a script sets a control.
@@ -22,10 +23,13 @@ struct gui_wish {
     bool is_seen; // the control has been called
 };
 
+// A group or a tab.
 struct gui_group {
     char id[GUI_ID_MAX];
-    uint32_t parent; // index of the parent group plus 1; 0: none
-    bool is_open;
+    char label[GUI_LABEL_MAX];
+    uint32_t parent; // index of the parent group or tab plus 1; 0: none
+    bool is_open;    // it is a tab, or a group that is open
+    bool is_tab;
 };
 
 struct gui_state {
@@ -41,8 +45,19 @@ struct gui_state {
     uint32_t stack[GUI_DEPTH_MAX]; // the open groups around the current control: index plus 1
     bool stack_drawn[GUI_DEPTH_MAX];
     uint32_t depth;
-    bool is_drawn;   // the panel is shown and all groups around the control are open
-    bool is_enabled; // see gui_enabled
+    uint32_t outer;   // depth of the groups that are drawn with a frame: 1 in a tab, otherwise 0
+    bool is_drawn;    // the panel is shown, and tab and groups around the control are open
+    bool was_drawn;   // is_drawn before the current control began
+    bool is_left_out; // the last control was not drawn, because of gui_applies() or a search
+    bool is_enabled;  // see gui_enabled
+    bool is_useless;  // see gui_applies
+
+    uint32_t tab;                // the open tab: index of its group plus 1; 0: none yet
+    char search[GUI_SEARCH_MAX]; // the text in the search box
+    char sought[GUI_TEXT_MAX];   // the words of this frame, which include those being typed
+    bool is_searching;           // there are such words
+    uint32_t found_count;        // number of controls of this frame that have them
+    uint32_t found_in;           // the group of the last of them: index plus 1
 
     struct gui_wish wishes[GUI_WISHES_MAX];
     uint32_t wish_count;
@@ -93,7 +108,7 @@ void items_refuse(struct gui_state *own, const char *format, ...)
 void items_end(struct gui *gui);
 // Returns the index of a group plus 1, and creates the group if it is new. Returns 0 if there are
 // too many.
-uint32_t items_group(struct gui_state *own, const char *id, bool open_at_first);
+uint32_t items_group(struct gui_state *own, const char *id, const char *label, bool open_at_first);
 
 // --- gui_values.c --------------------------------------------------------------------------------
 // Writes numbers as text from which exactly the same bits can be read: "A" or "A,B,C". `out` has
@@ -111,6 +126,19 @@ bool value_read_choice(const char *text, const char *const *names, uint32_t *out
 // Returns the value, inside the range, that results from dragging `start` by `widths` times the
 // width of the control.
 double value_dragged(double start, double widths, const struct gui_range *range, bool is_float);
+
+// --- gui_controls.c ------------------------------------------------------------------------------
+// Records the rectangle of ImGui's last item, and whether the mouse is over it.
+void controls_note_drawn(struct gui *gui, struct gui_item *item);
+
+// --- gui_tabs.c ----------------------------------------------------------------------------------
+// Draws the search box and the tabs.
+void tabs_begin(struct gui *gui, const struct gui_tab *tabs);
+// Returns whether a control has all words that are sought.
+bool search_finds(const struct gui_state *own, const struct gui_item *item);
+// Draws the names of the tab and the groups around a control that was found, unless the last one
+// was in the same group.
+void search_heading(struct gui_state *own);
 
 // --- gui_events.c --------------------------------------------------------------------------------
 void events_feed(struct gui *gui); // passes events to the current frame

@@ -441,6 +441,16 @@ bool im_button(const char *label, im_vec size, bool is_field)
     return is_pressed;
 }
 
+bool im_tab(const char *label, im_vec size, bool is_on)
+{
+    PushStyleColor(ImGuiCol_Text, is_on ? IM_GLOW : IM_TEXT);
+    PushStyleColor(ImGuiCol_Button,
+                   GetStyleColorVec4(is_on ? ImGuiCol_ButtonHovered : ImGuiCol_FrameBg));
+    bool is_pressed = Button(label, in(size));
+    PopStyleColor(2);
+    return is_pressed;
+}
+
 bool im_checkbox(const char *label, bool *value)
 {
     return Checkbox(label, value);

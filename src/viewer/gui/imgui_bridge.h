@@ -118,6 +118,7 @@ static inline float im_text_width(const char *text)
 // Returns whether the tree is now open.
 bool im_tree(const char *label, bool is_open, bool is_framed);
 bool im_button(const char *label, struct im_vec size, bool is_field);
+bool im_tab(const char *label, struct im_vec size, bool is_on);
 bool im_checkbox(const char *label, bool *value);
 bool im_row(const char *label, bool is_on);
 bool im_combo_begin(const char *id, const char *shown);

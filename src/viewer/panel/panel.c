@@ -8,6 +8,22 @@
 #include <assert.h>
 #include <stdlib.h>
 
+#define TAB_RENDER "panel.render"
+#define TAB_SCENE "panel.scene"
+#define TAB_OBJECT "panel.object"
+#define TAB_CAMERA "panel.camera"
+#define TAB_MEASURE "panel.measure"
+
+static const struct gui_tab tabs[] = {
+    {TAB_RENDER, "Render", "How the picture is rendered, displayed and saved."},
+    {TAB_SCENE, "Scene", "The scene's file, environment, lights and animation."},
+    {TAB_OBJECT, "Object",
+     "The surface that was clicked, the objects and the materials. A click on an object opens it."},
+    {TAB_CAMERA, "Camera", "The camera and saved views."},
+    {TAB_MEASURE, "Measure", "The speed and the error of the picture, and memory."},
+    {NULL, NULL, NULL},
+};
+
 bool panel_create(struct panel **out, struct err *err)
 {
     *out = calloc(1, sizeof **out);
@@ -109,6 +125,17 @@ static void keys(struct panel *panel)
     gui_group_end(gui);
 }
 
+// In the first frame, reads the list of recent scenes, and opens its tab if no scene is open.
+static void begin(struct panel *panel, const struct document *document)
+{
+    if (panel->has_begun)
+        return;
+    panel->has_begun = true;
+    panel_recent_read(panel);
+    if (!document->has_scene)
+        gui_open_tab(panel->gui, TAB_SCENE);
+}
+
 void panel_draw(struct viewer *viewer)
 {
     struct document *document = &viewer->document;
@@ -121,19 +148,31 @@ void panel_draw(struct viewer *viewer)
     panel->window = &shell->window;
     panel->frame_arena = &shell->frame_arena;
     gui->is_hidden = !shell->is_panel_shown;
+    begin(panel, document);
     char facts[VIEWER_HEADER_MAX] = "";
     if (document->has_scene)
         viewer_header(viewer, facts);
-    gui_panel_begin(gui, "Lampyris", facts);
-    panel_statistics(panel, document, stage);
+    gui_panel_begin(gui, "Lampyris", facts, tabs);
+    gui_tab_begin(gui, TAB_RENDER);
     panel_view(panel, stage, &viewer->view);
     panel_renderer(panel, document, stage);
-    panel_camera(panel, document, &viewer->view);
-    panel_scene(panel, document);
     files(panel, document, stage);
-    shaders(panel, shell);
     history(panel);
+    shaders(panel, shell);
     keys(panel);
+    gui_tab_end(gui);
+    gui_tab_begin(gui, TAB_SCENE);
+    panel_scene(panel, document);
+    gui_tab_end(gui);
+    gui_tab_begin(gui, TAB_OBJECT);
+    panel_objects(panel, document);
+    gui_tab_end(gui);
+    gui_tab_begin(gui, TAB_CAMERA);
+    panel_camera(panel, document, &viewer->view);
+    gui_tab_end(gui);
+    gui_tab_begin(gui, TAB_MEASURE);
+    panel_statistics(panel, document, stage);
+    gui_tab_end(gui);
     gui_panel_end(gui);
     panel_overlay(panel, document, stage, &viewer->view, shell);
     assert(!gui_duplicate(gui)); // checks the last frame

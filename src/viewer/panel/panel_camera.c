@@ -73,22 +73,22 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
 {
     bool is_perspective = to->kind == CAMERA_PERSPECTIVE;
     double radius = to->lens_radius * 1e3;
-    gui_enabled(gui, is_perspective);
+    gui_applies(gui, is_perspective);
     gui_angle(gui, "camera.fov", "Field of view",
               "Angle between the lower and the upper edge of the picture, in degrees.", &angle,
               &to->fov_y);
-    gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
+    gui_applies(gui, to->kind == CAMERA_ORTHOGRAPHIC);
     gui_number(gui, "camera.height", "Height",
                "Height, in metres, of the region that an orthographic camera sees.", &metres,
                &to->height);
-    gui_enabled(gui, is_perspective);
+    gui_applies(gui, is_perspective);
     if (gui_number(gui, "camera.lens_radius", "Lens radius",
                    "Radius in millimetres; 0: a pinhole camera, with which everything is in focus.",
                    &millimetres, &radius))
         to->lens_radius = radius * 1e-3;
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
         to->focus_distance = target_distance(view);
-    gui_enabled(gui, is_perspective && to->lens_radius > 0);
+    gui_applies(gui, is_perspective && to->lens_radius > 0);
     gui_number(gui, "camera.focus", "Focus", "Distance of the plane in focus, in metres.", &metres,
                &to->focus_distance);
     uint32_t corners = to->lens_blades;
@@ -99,7 +99,7 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
         bool is_falling = corners < to->lens_blades;
         to->lens_blades = corners == 1 || corners == 2 ? (is_falling ? 0 : 3) : corners;
     }
-    gui_enabled(gui, is_perspective && to->lens_radius > 0 && to->lens_blades > 0);
+    gui_applies(gui, is_perspective && to->lens_radius > 0 && to->lens_blades > 0);
     gui_angle(gui, "camera.blade_rotation", "  rotation", "Rotation of the blades in degrees.",
               &panel_turn, &to->lens_rotation);
     gui_enabled(gui, true);
@@ -121,7 +121,7 @@ static void camera_of_scene(struct panel *panel, const struct document *document
         if (!names[i])
             return;
     }
-    gui_enabled(panel->gui, count > 1);
+    gui_applies(panel->gui, count > 1);
     if (gui_choice(panel->gui, "camera.of_scene", "Of the scene", "A camera of the scene file.",
                    names, &chosen)) {
         view->camera_index = chosen;
@@ -206,7 +206,7 @@ static void saved_views(struct panel *panel, struct viewpoint *view)
 void panel_camera(struct panel *panel, const struct document *document, struct viewpoint *view)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "camera", "Camera", "The position and the kind of the camera.", false);
+    gui_group_begin(gui, "camera", "Camera", "The position and the kind of the camera.", true);
     if (document->has_scene) {
         moving(panel, view);
         gui_space(gui);

@@ -3,11 +3,11 @@
 #define LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
 
 #include "viewer/core/document.h"
+#include "viewer/core/recent.h"
 #include "viewer/core/shell.h"
 #include "viewer/core/stage.h"
 #include "viewer/core/viewpoint.h"
 
-#define PANEL_RECENT 8u
 #define PANEL_FILTER_MAX 64
 
 // The rows of a list whose names contain a text.
@@ -40,8 +40,8 @@ struct panel {
     struct arena files_arena;
     const char **files; // scenes in the folder of that scene
     uint32_t file_count;
-    char recent[PANEL_RECENT][SURROUNDINGS_PATH_MAX];
-    uint32_t recent_count;
+    struct recent recent;
+    bool has_begun, keeps_recent; // the list is kept in a file
     char open_path[SURROUNDINGS_PATH_MAX], save_path[SURROUNDINGS_PATH_MAX];
     bool saves_panel, saves_denoised;
     uint32_t slot; // index of the selected saved view
@@ -86,7 +86,10 @@ void panel_error_by(struct panel *panel, const struct stage *stage);
 void panel_renderer(struct panel *panel, const struct document *document, struct stage *stage);
 void panel_view(struct panel *panel, struct stage *stage, struct viewpoint *view);
 void panel_camera(struct panel *panel, const struct document *document, struct viewpoint *view);
+void panel_recent_read(struct panel *panel);
 void panel_scene(struct panel *panel, struct document *document);
+// Draws the surface that was clicked, the objects and the materials.
+void panel_objects(struct panel *panel, struct document *document);
 void panel_surroundings(struct panel *panel, const struct document *document);
 void panel_lights(struct panel *panel, struct document *document);
 void panel_materials(struct panel *panel, struct document *document);

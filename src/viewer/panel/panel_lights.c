@@ -47,10 +47,10 @@ static void place(struct panel *panel, const struct document *document, struct l
 {
     struct gui *gui = panel->gui;
     double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
-    gui_enabled(gui, to->kind != LIGHT_DIRECTIONAL);
+    gui_applies(gui, to->kind != LIGHT_DIRECTIONAL);
     panel_position(panel, document, "light.position", "Position in world space, in metres.",
                    to->position);
-    gui_enabled(gui, to->kind != LIGHT_POINT || to->profile);
+    gui_applies(gui, to->kind != LIGHT_POINT || to->profile);
     if (panel_direction(panel, "light.direction",
                         "Direction in which the light travels; it is normalised.", NULL, direction))
         light_aim(to, direction);
@@ -85,7 +85,7 @@ static void cone(struct gui *gui, struct light *to)
 {
     double inner = (double)to->inner_angle, outer = (double)to->outer_angle;
     const float least = 1e-3f; // least difference of the two angles, radians
-    gui_enabled(gui, to->kind == LIGHT_SPOT);
+    gui_applies(gui, to->kind == LIGHT_SPOT);
     if (gui_angle(gui, "light.inner_angle", "Inner angle",
                   "Angle from the axis at which the light begins to fade, in degrees.",
                   &right_angle, &inner)) {
@@ -119,22 +119,22 @@ static void parameters(struct panel *panel, const struct document *document, uin
     place(panel, document, &to);
     cone(gui, &to);
     double across = 2 * to.angular_radius;
-    gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
+    gui_applies(gui, to.kind == LIGHT_DIRECTIONAL);
     if (gui_angle(gui, "light.diameter", "Size",
                   "Angular diameter, in degrees, of the sun that a directional light stands for.",
                   &diameter, &across))
         to.angular_radius = across / 2;
-    gui_enabled(gui, to.kind != LIGHT_DIRECTIONAL);
+    gui_applies(gui, to.kind != LIGHT_DIRECTIONAL);
     gui_float(gui, "light.range", "Range",
               "Distance in metres beyond which the light has no effect.", &reach, &to.range);
-    gui_enabled(gui, to.profile != NULL);
+    gui_applies(gui, to.profile != NULL);
     if (gui_button(gui, "light.profile_off", "Remove profile",
                    "Replaces the IES profile by the same intensity in all directions.")) {
         to.profile = NULL;
         gui->used = "light.profile_off";
     }
     gui_same_line(gui);
-    gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
+    gui_applies(gui, to.kind == LIGHT_DIRECTIONAL);
     bool exchanges = gui_button(gui, "light.exchange", "Replace by area light",
                                 "Hides this light and adds a square in its place that faces the "
                                 "scene's centre and is as bright there.");
@@ -163,7 +163,7 @@ void panel_lights(struct panel *panel, struct document *document)
     const struct scene *scene = &document->scene;
     gui_group_begin(gui, "lights", "Lights",
                     "Delta lights and suns; emissive surfaces are listed among the materials.",
-                    false);
+                    true);
     const struct panel_list list = {
         .id = "lights",
         .help = "Selects the light whose parameters are shown below.",

@@ -63,7 +63,7 @@ bool panel_list(struct panel *panel, struct panel_filter *filter, const struct p
     char id[GUI_ID_MAX];
     uint32_t before = *chosen;
     snprintf(id, sizeof id, "%s.filter", list->id);
-    gui_enabled(gui, list->count > 1);
+    gui_applies(gui, list->count > 1);
     gui_text(gui, id, "Filter", "Shows only entries whose names contain this text.", filter->text,
              sizeof filter->text);
     gui_enabled(gui, true);

@@ -101,7 +101,7 @@ static void parameter(struct panel *panel, const struct document *document,
         return;
     const char *label = label_of(panel, p->name);
     float *value = &to->parameters[p->first];
-    gui_enabled(gui, matters(document, to, p->first));
+    gui_applies(gui, matters(document, to, p->first));
     if (p->count == 3)
         gui_color(gui, id, label, p->help, &range, value);
     else
@@ -139,21 +139,21 @@ static void flags(struct gui *gui, struct material *to)
     bool is_through = is_principled || to->model == MATERIAL_DIELECTRIC;
     bool is_microfacet = to->model == MATERIAL_MICROFACET;
     flag(gui, "material.alpha", "Alpha", "Meaning of opacity: none, a mask, or a probability.", to);
-    gui_enabled(gui, !is_black(to->emission));
+    gui_applies(gui, !is_black(to->emission));
     flag(gui, "material.unlit", "Unlit",
          "Rays that hit the surface get its emission, but no shadow rays are sent to it.", to);
-    gui_enabled(gui, is_through);
+    gui_applies(gui, is_through);
     flag(gui, "material.thin", "Thin", "The surface is a thin sheet, without a medium inside.", to);
-    gui_enabled(gui, is_principled && to->transmission > 0);
+    gui_applies(gui, is_principled && to->transmission > 0);
     flag(gui, "material.tint_each", "Tint each",
          "Each interface tints the light by the base colour (as in glTF), not by its square root.",
          to);
-    gui_enabled(gui, is_principled && to->clearcoat > 0);
+    gui_applies(gui, is_principled && to->clearcoat > 0);
     flag(gui, "material.coat", "Coat",
          "Burley's clearcoat, or that of glTF with a GGX distribution.", to);
     flag(gui, "material.coat_fresnel", "Coat Fresnel",
          "Schlick's approximation, or the exact equations, both of index 1.5.", to);
-    gui_enabled(gui, is_principled);
+    gui_applies(gui, is_principled);
     flag(gui, "material.specular_fresnel", "Specular Fresnel",
          "The exact curve adapted to the given reflectance, or a mixture of the exact and "
          "Schlick's curve by metallic, times the specular colour.",
@@ -162,18 +162,18 @@ static void flags(struct gui *gui, struct material *to)
          "Mixes lobes as in Burley's model, or as in glTF's specification, with a Lambert base "
          "below a coat.",
          to);
-    gui_enabled(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
+    gui_applies(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
     flag(gui, "material.compensate", "Compensate",
          "Adds the energy of multiple scattering between microfacets.", to);
     flag(gui, "material.separable", "Separable",
          "Separable instead of height-correlated Smith masking.", to);
-    gui_enabled(gui, is_microfacet);
+    gui_applies(gui, is_microfacet);
     flag(gui, "material.distribution", "Distribution", "Distribution of the microfacets' normals.",
          to);
-    gui_enabled(gui, is_microfacet &&
+    gui_applies(gui, is_microfacet &&
                          (to->flags >> MATERIAL_DISTRIBUTION_SHIFT & 3u) == DISTRIBUTION_PHONG);
     phong_exponent(gui, to);
-    gui_enabled(gui, is_microfacet);
+    gui_applies(gui, is_microfacet);
     flag(gui, "material.masking", "Masking", "Masking and shadowing between microfacets.", to);
     flag(gui, "material.diffuse", "Diffuse",
          "Diffuse base below the microfacets: it gets the light that the surface does not reflect, "
@@ -190,7 +190,7 @@ static void inside(struct gui *gui, struct material *to)
     static const struct gui_range extinction = {0, INFINITY, .logarithmic = true,
                                                 .infinite = "opaque", .greatest = FLT_MAX};
     static const struct gui_range priority = {1, 255, .integer = true};
-    gui_enabled(gui, material_has_inside(to));
+    gui_applies(gui, material_has_inside(to));
     gui_color(gui, "material.extinction", "Extinction",
               "Extinction of the medium inside of closed surfaces, in 1/m: the transmittance is "
               "exp(-extinction x distance).",
@@ -224,7 +224,7 @@ void panel_materials(struct panel *panel, struct document *document)
 {
     struct gui *gui = panel->gui;
     const struct scene *scene = &document->scene;
-    gui_group_begin(gui, "materials", "Materials", "The materials of the surfaces.", false);
+    gui_group_begin(gui, "materials", "Materials", "The materials of the surfaces.", true);
     const struct panel_list list = {
         .id = "materials",
         .help = "Selects the material whose parameters are shown below.",

@@ -84,7 +84,7 @@ void panel_place(struct panel *panel, const struct document *document)
         return;
     place(panel, document, object);
     gui_same_line(panel->gui);
-    gui_enabled(panel->gui, lamp_is(scene, object));
+    gui_applies(panel->gui, lamp_is(scene, object));
     if (gui_button(panel->gui, "object.exchange", "Replace by directional light",
                    "Hides this lamp and adds a directional light from its direction that is as "
                    "bright at the scene's centre."))

@@ -97,7 +97,7 @@ static void anisotropy(struct panel *panel, const struct document *document)
         is_on = is_on || scene->materials[i].anisotropic > 0.0f;
     for (uint32_t i = 0; i < before->material_count; i++)
         can = can || before->materials[i].anisotropic > 0.0f;
-    gui_enabled(gui, can || is_on);
+    gui_applies(gui, can || is_on);
     bool is_changed = gui_switch(
         gui, id, "Anisotropy",
         "Off: all materials are isotropic; on: they have the anisotropy of the file.", &is_on);
@@ -121,8 +121,8 @@ void panel_renderer(struct panel *panel, const struct document *document, struct
 {
     struct gui *gui = panel->gui;
     gui_group_begin(gui, "renderer", "Renderer", "The settings with which the picture is rendered.",
-                    false);
-    gui_enabled(gui, stage->side_count > 1);
+                    true);
+    gui_applies(gui, stage->side_count > 1);
     gui_choice(gui, "renderer.side", "Side",
                "The side whose settings are shown: A at the left, B at the right of a split view.",
                side_names, &stage->edited_side);
@@ -152,7 +152,7 @@ static void picture(const struct stage *stage, struct gui *gui, struct shown *to
     gui_choice(gui, "view.aov", "Shown",
                "The layer to display: radiance, properties of surfaces, or the cost of each pixel.",
                shown_names, &to->what);
-    gui_enabled(gui, is_light);
+    gui_applies(gui, is_light);
     gui_float(gui, "view.exposure", "Exposure", "Exposure in stops; it affects only the display.",
               &exposure, &to->exposure);
     gui_flag(gui, "view.exposure_auto", "Find exposure",
@@ -162,14 +162,14 @@ static void picture(const struct stage *stage, struct gui *gui, struct shown *to
     gui_choice(gui, "view.tone", "Tone curve",
                "The tone curve, from linear radiance to display values.", tone_names, &to->tone);
     const struct gui_range values = {-1e30, 1e30, .unit = shown_unit(to->what)};
-    gui_enabled(gui, has_range);
+    gui_applies(gui, has_range);
     bool is_switched = gui_flag(
         gui, "view.automatic", "Find range",
         "Chooses the range of false colours from the least and greatest values in the picture.",
         &to->automatic);
     if (is_switched && !to->automatic && !(to->range[1] > to->range[0]))
         memcpy(to->range, stage->display.range, sizeof to->range);
-    gui_enabled(gui, has_range && !to->automatic);
+    gui_applies(gui, has_range && !to->automatic);
     gui_number(gui, "view.range_low", "  from",
                "Value of the first false colour, in the unit that is shown.", &values,
                &to->range[0]);
@@ -189,11 +189,11 @@ static void picture(const struct stage *stage, struct gui *gui, struct shown *to
 static void denoising(struct gui *gui, struct shown *to)
 {
     static const struct gui_range iterations = {1, 5, .integer = true};
-    gui_enabled(gui, to->what == SHOWN_RADIANCE);
+    gui_applies(gui, to->what == SHOWN_RADIANCE);
     gui_flag(gui, "view.denoise", "Denoise",
              "Shows a denoised preview (SVGF). It is biased; saved EXRs have the film.",
              &to->denoise);
-    gui_enabled(gui, to->what == SHOWN_RADIANCE && to->denoise);
+    gui_applies(gui, to->what == SHOWN_RADIANCE && to->denoise);
     gui_flag(gui, "view.denoise_temporal", "  temporal",
              "Reuses earlier pictures, reprojected where the camera or objects have moved.",
              &to->denoise_temporal);
@@ -207,7 +207,7 @@ static void split(struct panel *panel, const struct stage *stage, struct shown *
     struct gui *gui = panel->gui;
     gui_flag(gui, "view.split", "Split view",
              "Shows the scene with two settings side by side, each with its error.", &to->split);
-    gui_enabled(gui, to->split);
+    gui_applies(gui, to->split);
     gui_number(gui, "view.split_at", "  line at", "Fraction of the width that side A has.",
                &panel_unit, &to->split_at);
     bool swap =
@@ -227,7 +227,7 @@ static void pace(struct panel *panel, struct stage *stage, struct viewpoint *vie
     struct gui *gui = panel->gui;
     gui_number(gui, "view.frame_ms", "Frame time", "Target time of a frame, in milliseconds.",
                &target, &view->pace.target_ms);
-    gui_enabled(gui, stage->swapchain.handle != VK_NULL_HANDLE);
+    gui_applies(gui, stage->swapchain.handle != VK_NULL_HANDLE);
     gui_switch(gui, "view.vsync", "Vsync", "Synchronises frames with the display.",
                &stage->swapchain.vsync);
     gui_enabled(gui, true);

@@ -5,6 +5,7 @@
 #include "base/file_system.h"
 #include "viewer/core/load.h"
 #include "viewer/core/messages.h"
+#include "viewer/core/recent.h"
 #include "viewer/core/watch.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,19 +54,31 @@ static void list_folder(struct panel *panel)
         qsort(panel->files, panel->file_count, sizeof *panel->files, by_name);
 }
 
-// Adds a path to the recent files, of which the newest is the first. An existing entry moves to the
-// front.
+// Reads the list of recent scenes. A viewer without a window keeps its list to itself.
+void panel_recent_read(struct panel *panel)
+{
+    struct err err = {0};
+    panel->keeps_recent = panel->window->handle != NULL;
+    if (panel->keeps_recent && !recent_read(&panel->recent, &err))
+        viewer_message(panel->viewer, MESSAGE_WARNING,
+                       "The list of recent scenes is ignored: %.700s. It will be replaced.",
+                       err.msg);
+}
+
+// Adds a path to the recent scenes. Other viewers may have changed the file meanwhile, so that it
+// is read again.
 static void remember(struct panel *panel, const char *path)
 {
-    uint32_t place = 0;
-    while (place < panel->recent_count && strcmp(panel->recent[place], path) != 0)
-        place++;
-    if (place == panel->recent_count && panel->recent_count < PANEL_RECENT)
-        panel->recent_count++;
-    if (place == PANEL_RECENT)
-        place--;
-    memmove(panel->recent[1], panel->recent[0], place * sizeof panel->recent[0]);
-    snprintf(panel->recent[0], sizeof panel->recent[0], "%s", path);
+    struct recent newer;
+    struct err err = {0}, ignored = {0};
+    if (panel->keeps_recent && recent_read(&newer, &ignored) && newer.count > 0)
+        panel->recent = newer;
+    recent_add(&panel->recent, path);
+    if (!panel->keeps_recent || recent_write(&panel->recent, &err))
+        return;
+    panel->keeps_recent = false;
+    viewer_message(panel->viewer, MESSAGE_WARNING, "The list of recent scenes is not kept: %.700s",
+                   err.msg);
 }
 
 static void notice_scene(struct panel *panel, const struct document *document)
@@ -101,16 +114,21 @@ static void file_rows(struct panel *panel)
         viewer_open_scene(panel->viewer, wanted, false);
 }
 
-static void recent_rows(struct panel *panel)
+// Lists the scenes that were opened last, but not the one that is open.
+static void recent_rows(struct panel *panel, bool has_scene)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "scene.recent", "Opened before",
-                    "Scenes that have been opened in this session.", false);
-    for (uint32_t i = 1; i < panel->recent_count; i++) {
-        char id[GUI_ID_MAX];
+    gui_group_begin(gui, "scene.recent", "Recent scenes",
+                    "The scenes that were opened last, the newest first.", true);
+    for (uint32_t i = has_scene; i < panel->recent.count; i++) {
+        const char *path = panel->recent.paths[i];
+        char id[GUI_ID_MAX], label[GUI_LABEL_MAX];
+        int name = (int)(path_name(path) - path);
         snprintf(id, sizeof id, "scene.recent.%u", i);
-        if (gui_row(gui, id, panel->recent[i], "Opens this scene again.", false))
-            viewer_open_scene(panel->viewer, panel->recent[i], false);
+        // The name comes first, because long lines are cut off.
+        snprintf(label, sizeof label, "%s   %.*s", path + name, name, path);
+        if (gui_row(gui, id, label, "Opens this scene again.", false))
+            viewer_open_scene(panel->viewer, path, false);
     }
     gui_group_end(gui);
 }
@@ -133,7 +151,7 @@ static void file(struct panel *panel, const struct document *document)
         viewer_watch(panel->viewer, watches);
     gui_enabled(gui, true);
     file_rows(panel);
-    recent_rows(panel);
+    recent_rows(panel, document->has_scene);
 }
 
 // --- the environment -----------------------------------------------------------------------------
@@ -142,7 +160,7 @@ static void sky(struct gui *gui, struct surroundings *to)
 {
     static const struct gui_range turbidity = {SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX};
     static const struct gui_range elevation = {0, 90, .unit = "°"};
-    gui_enabled(gui, to->kind == SURROUNDINGS_SKY);
+    gui_applies(gui, to->kind == SURROUNDINGS_SKY);
     gui_number(gui, "surroundings.turbidity", "Turbidity", "Turbidity: the haziness of the sky.",
                &turbidity, &to->turbidity);
     gui_number(gui, "surroundings.elevation", "Sun height",
@@ -158,7 +176,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
                                           .drag = 180};
     struct gui *gui = panel->gui;
     gui_group_begin(gui, "surroundings", "Surroundings", "The light from infinitely far away.",
-                    false);
+                    true);
     struct surroundings to = document->surroundings;
     gui->used = NULL;
     // An image can be selected only after its path has been entered.
@@ -184,7 +202,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     gui_number(gui, "surroundings.rotation", "Rotation",
                "Rotation about +Y in degrees, added to that of the file.", &turn,
                &to.rotation_degrees);
-    gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
+    gui_applies(gui, to.kind == SURROUNDINGS_CONSTANT);
     gui_color(gui, "surroundings.color", "Radiance",
               "Constant radiance from all directions, W/(sr m^2).", &panel_radiance, to.radiance);
     sky(gui, &to);
@@ -249,7 +267,7 @@ static void objects(struct panel *panel, struct document *document)
     struct gui *gui = panel->gui;
     const struct scene *scene = &document->scene;
     gui_group_begin(gui, "objects", "Objects",
-                    "The objects of the scene, and which of them are visible.", false);
+                    "The objects of the scene, and which of them are visible.", true);
     const struct panel_list list = {
         .id = "object",
         .help = "Selects the object, as does a click on it in the picture.",
@@ -275,8 +293,10 @@ static void animation(struct panel *panel, struct document *document)
     struct scene_pose to = pose->wanted;
     double length = document->scene.animation_seconds;
     const struct gui_range seconds = {0, length > 0 ? length : 1e6, .unit = "s"};
-    gui_group_begin(gui, "animation", "Animation", "The animation of a glTF file.", false);
-    gui_enabled(gui, pose_has_animation(panel->viewer));
+    gui_group_begin(gui, "animation", "Animation", "The animation of a glTF file.", true);
+    if (!pose_has_animation(panel->viewer))
+        gui_line(gui, "This scene has none.");
+    gui_applies(gui, pose_has_animation(panel->viewer));
     gui_switch(gui, "animation.plays", "Play", "Plays the animation repeatedly.", &pose->plays);
     if (gui_number(gui, "animation.time", "Time",
                    "Time of the displayed pose in seconds, as for --at.", &seconds, &to.seconds)) {
@@ -315,10 +335,10 @@ static void picked(struct panel *panel, struct document *document)
             gui_pair(gui, "Material", "%u %s", picked->material,
                      document->scene.materials[picked->material].name);
         if (has_object)
-            gui_pair(gui, "Position", "%.6g, %.6g, %.6g m", picked->position[0],
+            gui_pair(gui, "Position", "%.4g, %.4g, %.4g m", picked->position[0],
                      picked->position[1], picked->position[2]);
         if (has_object)
-            gui_pair(gui, "Distance", "%.6g m", picked->distance);
+            gui_pair(gui, "Distance", "%.4g m", picked->distance);
     }
     gui_enabled(gui, has_material);
     if (gui_button(
@@ -337,15 +357,23 @@ static void picked(struct panel *panel, struct document *document)
 void panel_scene(struct panel *panel, struct document *document)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "scene", "Scene", "The scene that is rendered.", false);
+    gui_group_begin(gui, "scene", "Scene", "The scene that is rendered.", true);
     file(panel, document);
-    if (document->has_scene) {
-        picked(panel, document);
-        panel_surroundings(panel, document);
-        panel_lights(panel, document);
-        panel_materials(panel, document);
-        objects(panel, document);
-        animation(panel, document);
-    }
     gui_group_end(gui);
+    if (!document->has_scene)
+        return;
+    panel_surroundings(panel, document);
+    panel_lights(panel, document);
+    animation(panel, document);
+}
+
+void panel_objects(struct panel *panel, struct document *document)
+{
+    if (!document->has_scene) {
+        gui_line(panel->gui, "No scene is open.");
+        return;
+    }
+    picked(panel, document);
+    objects(panel, document);
+    panel_materials(panel, document);
 }

@@ -90,7 +90,7 @@ void panel_settings(struct panel *panel, const struct document *document, struct
             continue;
         if (setting->gap)
             gui_space(gui);
-        gui_enabled(gui, setting_is_in_use(setting, to, has_image));
+        gui_applies(gui, setting_is_in_use(setting, to, has_image));
         control(gui, i, to);
     }
     gui_enabled(gui, true);

@@ -215,12 +215,12 @@ static enum step aim(struct script *script, struct viewer *viewer, const char *i
         gui_reveal(&viewer->shell.gui, id);
     if (script->now.frame++ < REVEAL_FRAMES || (!is_there && script->now.frame < REVEAL_TRIALS))
         return STEP_AGAIN;
-    if (!is_there) {
-        err_set(err, ERR_INPUT, item ? "%s is not visible" : "there is no control %s", id);
+    if (item && !item->is_enabled) { // it may not be drawn either
+        err_set(err, ERR_INPUT, "%s is disabled at present", id);
         return STEP_FAILED;
     }
-    if (!item->is_enabled) {
-        err_set(err, ERR_INPUT, "%s is disabled at present", id);
+    if (!is_there) {
+        err_set(err, ERR_INPUT, item ? "%s is not visible" : "there is no control %s", id);
         return STEP_FAILED;
     }
     push_mouse(script, viewer, 0.5 * (item->rect[0] + item->rect[2]),

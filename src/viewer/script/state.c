@@ -39,6 +39,7 @@ static json_t *item_json(const struct gui_item *item)
         [GUI_GROUP] = "group",   [GUI_BUTTON] = "button", [GUI_SWITCH] = "switch",
         [GUI_NUMBER] = "number", [GUI_CHOICE] = "choice", [GUI_COLOR] = "color",
         [GUI_VECTOR] = "vector", [GUI_TEXT] = "text",     [GUI_ROW] = "row",
+        [GUI_TAB] = "tab",
     };
     char help[GUI_HELP_MAX];
     gui_item_help(item, help);
