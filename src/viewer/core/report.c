@@ -87,6 +87,7 @@ static void count_rates(struct viewer *viewer, double rays)
     if (seconds < RATE_SECONDS)
         return;
     stats->fps = rate->frames / seconds;
+    stats->frame_ms = 1e3 * seconds / rate->frames;
     stats->rays_per_second = rate->rays / seconds;
     stats->samples_per_second = rate->samples / seconds;
     *rate = (struct frame_rate){.since = now};
@@ -120,7 +121,6 @@ void viewer_count_frame(struct viewer *viewer)
     double rays = 0.0, ms = clock_seconds_since(viewer->shell.frame_ns) * 1e3;
     // With vsync, the time of presentation includes waiting for the display.
     double waiting = viewer->stage.swapchain.vsync ? stats->present_ms : 0.0;
-    stats->frame_ms = ms;
     stats->frames++;
     frame_budget_measure(&viewer->view.pace, 0.0, 0.0,
                          fmax(ms - stats->render_ms - stats->denoise_ms - waiting, 0.0));

@@ -28,8 +28,10 @@ struct shown {
 
 // Measurements of the last frames, for the panel.
 struct frame_stats {
-    double fps;      // mean over the last half second
-    double frame_ms; // total time of the last frame
+    // Frames per second, and the time from one frame to the next, waiting included: both are means
+    // over the same half second.
+    double fps, frame_ms;
+    // Times of the last frame.
     double render_ms, denoise_ms, display_ms, panel_ms, present_ms;
     uint64_t frames;
     double kernel_ms[KERNEL_COUNT]; // time per frame, a running mean

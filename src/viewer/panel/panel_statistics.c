@@ -19,7 +19,7 @@ static const char *short_number(struct panel *panel, double value)
         value /= 1e3;
         i++;
     }
-    const char *text = arena_printf(panel->frame_arena, "%.3g%s", value, letters[i]);
+    const char *text = arena_printf(panel->frame_arena, "%.4g%s", value, letters[i]);
     return text ? text : "";
 }
 
@@ -27,11 +27,11 @@ static const char *time_text(struct panel *panel, double seconds)
 {
     const char *text = NULL;
     if (seconds < 100.0)
-        text = arena_printf(panel->frame_arena, "%.1f s", seconds);
+        text = arena_printf(panel->frame_arena, "%.4g s", seconds);
     else if (seconds < 6000.0)
-        text = arena_printf(panel->frame_arena, "%.1f min", seconds / 60.0);
+        text = arena_printf(panel->frame_arena, "%.4g min", seconds / 60.0);
     else
-        text = arena_printf(panel->frame_arena, "%.1f h", seconds / 3600.0);
+        text = arena_printf(panel->frame_arena, "%.4g h", seconds / 3600.0);
     return text ? text : "";
 }
 
@@ -92,15 +92,15 @@ static void error_lines(struct panel *panel, const struct stage *stage, uint32_t
     const struct job_look look = view_newest_look(&stage->sides[side]);
     const struct half_error *error = &look.error;
     if (error->known)
-        gui_fact(gui, label, "local relMSE %.3g", error->local_relmse);
+        gui_fact(gui, label, "local relMSE %.4g", error->local_relmse);
     else if (error->bounded)
-        gui_fact(gui, label, "local relMSE at most %.3g", error->at_most);
+        gui_fact(gui, label, "local relMSE at most %.4g", error->at_most);
     else if (film_error_is_plain(error))
-        gui_fact(gui, label, "local relMSE about %.3g", error->local_relmse);
+        gui_fact(gui, label, "local relMSE about %.4g", error->local_relmse);
     else
         gui_fact(gui, label, "not known yet");
     if (error->known)
-        gui_fact(gui, "  95 %", "%.3g to %.3g", error->ci_low, error->ci_high);
+        gui_fact(gui, "  95 %", "%.4g to %.4g", error->ci_low, error->ci_high);
     else
         gui_fact(gui, error->bounded ? "  in 95 %, since" : "  since", "%s", error->reason);
     forecast_line(panel, &look);
@@ -210,8 +210,8 @@ static void memory(struct panel *panel, const struct document *document, const s
 static void side_lines(struct panel *panel, const struct stage *stage, uint32_t side)
 {
     const struct view *view = &stage->sides[side];
-    const char *label = stage->side_count > 1 ? side ? "Samples B" : "Samples A" : "Samples";
-    gui_fact(panel->gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
+    const char *label = stage->side_count > 1 ? side ? "Per pixel B" : "Per pixel A" : "Per pixel";
+    gui_fact(panel->gui, label, "%llu samples in %s%s", (unsigned long long)view_samples(view),
              time_text(panel, view->seconds), view->is_preview ? ", preview" : "");
 }
 
@@ -223,11 +223,12 @@ void panel_statistics(struct panel *panel, const struct document *document,
     gui_group_begin(gui, "statistics", "Statistics", "The speed and the error of the picture.",
                     true);
     if (gui_is_drawn(gui) && document->has_scene) {
-        gui_fact(gui, "Frames", "%.1f /s, %.1f ms", stats->fps, stats->frame_ms);
+        gui_fact(gui, "Frames", "%.4g /s, %.4g ms each", stats->fps, stats->frame_ms);
         for (uint32_t side = 0; side < stage->side_count; side++)
             side_lines(panel, stage, side);
         gui_fact(gui, "Rays", "%s/s", short_number(panel, stats->rays_per_second));
-        gui_fact(gui, "Msamples", "%.3g /s", stats->samples_per_second * 1e-6);
+        gui_fact(gui, "Samples", "%s/s, over all pixels",
+                 short_number(panel, stats->samples_per_second));
         for (uint32_t side = 0; side < stage->side_count; side++)
             error_lines(panel, stage, side);
         error_curves(panel, stage);
