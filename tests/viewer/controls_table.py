@@ -18,7 +18,8 @@ def each(name, first, words, effect='result'):
 # The tabs and the search box of the panel.
 PANEL = [
     *[('panel.' + name, 'on', 'state', None) for name in ('scene', 'object', 'camera', 'measure', 'render')],
-    ('panel.search', 'tone curve', 'state', ''),
+    'set panel.search "tone curve"', 'wait 2 frames', 'expect item.panel.search == "tone curve"',
+    'set panel.search ""',
     # A click on an object opens the tab in which it is selected.
     'set panel.search exposure', 'wait 2 frames', 'mouse 168 100', 'button left', 'wait 4 frames',
     'expect picked.distance > 0', 'expect item.panel.object == on', 'expect item.panel.search == ""',
@@ -280,6 +281,7 @@ OBJECTS = [
     ('object.2.visible', 'off'),
     ('object.1', 'on', 'state', None),
     'mouse 216 99', 'button left', 'wait 3 frames', 'expect picked.distance > 0',
+    ('objects.outline', 'off', 'none', 'on'),  # it is neither in the film nor in the picture
     ('picked.edit_material', '', 'state', None),
     ('picked.hide', ''),
     ('object.position', '0.3,0.4,0.1'),

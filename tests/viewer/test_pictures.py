@@ -104,6 +104,26 @@ class Pictures(Case):
         self.assertLess(errors[1], 0.95 * errors[0])
         self.assertEqual(hashes[0], hashes[-1])
 
+    def test_the_outline_of_the_selected_object(self):
+        """The outline is neither in the film nor in a picture without the panel."""
+        result = self.view('wait idle\nhash hash.jsonl\nscreenshot before.png\nmouse 110 60\nbutton left\n'
+                           'wait 4 frames\nexpect picked.distance > 0\nhash hash.jsonl\n'
+                           'screenshot picked.png\nwait 4 frames\nscreenshot outlined.png panel\n'
+                           'set objects.outline off\nwait 4 frames\nscreenshot again.png\n'
+                           'screenshot bare.png panel\n'
+                           'hash hash.jsonl\n', '--spp', '1')
+        files = {}
+        for name in ('before', 'picked', 'again', 'outlined'):
+            with open(result.path(name + '.png'), 'rb') as file:
+                files[name] = file.read()
+        self.assertEqual(files['before'], files['picked'])
+        self.assertEqual(files['before'], files['again'])
+        hashes = [entry['image_hash'] for entry in result.hashes()]
+        self.assertEqual(len(set(hashes)), 1, hashes)
+        # Lines of messages are at the top; the outline of the back wall reaches lower.
+        shown = [self.pixels(name) for name in ('outlined.png', 'bare.png')]
+        self.assertGreater(png_pixels.most_different(*shown, (80, WIDTH)), 0)
+
 
 if __name__ == '__main__':
     viewer_run.main()

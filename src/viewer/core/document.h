@@ -47,6 +47,7 @@ struct document {
 
     struct picked picked;
     uint32_t chosen_material, chosen_light, chosen_object; // selected in the panel's lists
+    bool has_choice; // the user has selected the object, which is then outlined
 };
 
 #endif

@@ -509,6 +509,7 @@ static void show_choice(struct viewer *viewer)
 static void choose(struct viewer *viewer, const struct picked *picked)
 {
     viewer->document.picked = *picked;
+    viewer->document.has_choice = picked->object != VIEWER_NO_OBJECT;
     if (picked->object == VIEWER_NO_OBJECT)
         return;
     viewer->document.chosen_object = picked->object;

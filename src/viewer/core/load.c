@@ -265,4 +265,5 @@ void viewer_close_scene(struct viewer *viewer)
     viewer->document.picked = (struct picked){0};
     viewer->document.chosen_material = viewer->document.chosen_light =
         viewer->document.chosen_object = 0;
+    viewer->document.has_choice = false;
 }

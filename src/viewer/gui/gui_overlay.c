@@ -88,6 +88,15 @@ void gui_legend(struct gui *gui, const uint32_t *colors, uint32_t count, const c
     }
 }
 
+void gui_stroke(struct gui *gui, const double from[2], const double to[2])
+{
+    const float scale = gui->own->scale;
+    struct ImDrawList *list = im_layer(IM_BACKGROUND);
+    const struct im_vec ends[2] = {{(float)from[0], (float)from[1]}, {(float)to[0], (float)to[1]}};
+    im_draw_line(list, ends[0], ends[1], PICTURE_GROUND, 3.0f * scale);
+    im_draw_line(list, ends[0], ends[1], IM_GLOW, 1.5f * scale);
+}
+
 void gui_progress(struct gui *gui, const char *what, double fraction)
 {
     const struct gui_state *own = gui->own;

@@ -30,6 +30,7 @@ bool panel_create(struct panel **out, struct err *err)
     if (!*out)
         return err_memory(err, "a panel", sizeof **out);
     (*out)->slot = 1;
+    (*out)->outlines = true;
     return true;
 }
 

@@ -2,6 +2,7 @@
 #ifndef LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
 #define LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
 
+#include "scene/core/bounds.h"
 #include "viewer/core/document.h"
 #include "viewer/core/recent.h"
 #include "viewer/core/shell.h"
@@ -27,6 +28,13 @@ struct panel_middle {
     double transform[3][4], middle[3];
 };
 
+// The bounds of a mesh that were computed last.
+struct panel_bounds {
+    uint64_t hash; // hash of the scene for which they were computed; 0: none
+    uint32_t mesh, deformations;
+    struct bounds bounds;
+};
+
 // The state of the panel. Its files receive the state that they show, and request changes through
 // `viewer`, an opaque type here.
 struct panel {
@@ -46,6 +54,8 @@ struct panel {
     bool saves_panel, saves_denoised;
     uint32_t slot; // index of the selected saved view
     struct panel_middle middle;
+    struct panel_bounds bounds;
+    bool outlines; // the selected object is outlined
 };
 
 extern const struct gui_range panel_unit, panel_radiance, panel_turn;

@@ -6,6 +6,7 @@
 #include "job/film_error.h"
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
+#include "viewer/core/outline.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -124,12 +125,67 @@ static void legend(struct panel *panel, const struct document *document, const s
     gui_legend(panel->gui, colors, COLORS, (const char *const[3]){texts[0], texts[1], texts[2]});
 }
 
+// --- the selected object -------------------------------------------------------------------------
+
+// Returns the bounds of an object's mesh, which are computed only when it changes.
+static const struct bounds *bounds_of(struct panel *panel, const struct document *document,
+                                      uint32_t object)
+{
+    const struct scene *scene = &document->scene;
+    struct panel_bounds *known = &panel->bounds;
+    if (object >= scene->instance_count)
+        return &BOUNDS_EMPTY;
+    const struct panel_bounds wanted = {.hash = scene->hash,
+                                        .mesh = scene->instances[object].mesh,
+                                        .deformations = document->pose.deformations};
+    if (known->hash != wanted.hash || known->mesh != wanted.mesh ||
+        known->deformations != wanted.deformations) {
+        *known = wanted;
+        known->bounds = outline_mesh_bounds(&scene->meshes[wanted.mesh]);
+    }
+    return &known->bounds;
+}
+
+static bool is_hidden(const struct scene *scene, uint32_t object)
+{
+    return object < scene->instance_count ? scene->instances[object].hidden
+                                          : scene->shapes[object - scene->instance_count].hidden;
+}
+
+static void outline(struct panel *panel, const struct document *document,
+                    const struct viewpoint *view)
+{
+    const struct scene *scene = &document->scene;
+    const uint32_t object = document->chosen_object;
+    struct outline outline;
+    uint32_t place[4];
+    if (!document->has_scene || !panel->outlines || !document->has_choice ||
+        panel->gui->is_hidden || object >= scene->instance_count + scene->shape_count ||
+        is_hidden(scene, object))
+        return;
+    viewer_picture_place(panel->viewer, place);
+    outline_of_object(scene, object, bounds_of(panel, document, object), &view->camera,
+                      (double)place[2] / place[3], &outline);
+    const double rect[4] = {place[0], place[1], (double)place[0] + place[2],
+                            (double)place[1] + place[3]};
+    for (uint32_t i = 0; i < outline.count; i++) {
+        double ends[2][2];
+        for (int end = 0; end < 2; end++)
+            for (int c = 0; c < 2; c++)
+                ends[end][c] = place[c] + outline.points[(i + (uint32_t)end) % outline.count][c] *
+                                              place[2 + c];
+        if (outline_clip(rect, ends[0], ends[1]))
+            gui_stroke(panel->gui, ends[0], ends[1]);
+    }
+}
+
 void panel_overlay(struct panel *panel, const struct document *document, const struct stage *stage,
                    const struct viewpoint *view, const struct shell *shell)
 {
     struct gui *gui = panel->gui;
     float x = free_x(panel), y = MARGIN * panel->window->scale;
     double age = viewer_seconds(panel->viewer) - shell->message_seconds;
+    outline(panel, document, view);
     if (document->has_scene && stage->side_count > 1)
         y = sides(panel, stage, y);
     if (!document->has_scene)

@@ -278,7 +278,11 @@ static void objects(struct panel *panel, struct document *document)
         .context = &(struct object_rows){panel, document},
         .of = scene->instances ? (const void *)scene->instances : scene->shapes,
     };
-    panel_list(panel, &panel->objects, &list, &document->chosen_object);
+    if (panel_list(panel, &panel->objects, &list, &document->chosen_object))
+        document->has_choice = true;
+    gui_switch(gui, "objects.outline", "Outline",
+               "Outlines the selected object in the window, but not in saved pictures.",
+               &panel->outlines);
     panel_place(panel, document);
     gui_group_end(gui);
 }
