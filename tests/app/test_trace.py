@@ -271,8 +271,8 @@ class GoingOn(Base):
         own = self.text()
         self.reject('was made without a reference', '--reference', self.reference())
         for text, message in ((other, 'is the trace of another render'),
-                              ('a,b\n1,2\n', 'other columns'), ('', 'other columns'),
-                              (own.replace('\n2,', '\nx,'), 'row 2: spp'),
+                              ('a,b\n1,2\n', 'names of columns'), ('', 'names of columns'),
+                              (own.replace('\n2,', '\nx,'), 'row 2: wrong spp'),
                               (own[:-20], 'row 5'), (own + '7,8\n', 'row 6')):
             with open(self.trace, 'w', encoding='utf-8') as file:
                 file.write(text)
@@ -281,7 +281,7 @@ class GoingOn(Base):
         for text in ('', '{', '[]', '{"rows": 3}', '{"render": "x", "rows": []}'):
             with open(self.trace, 'w', encoding='utf-8') as file:
                 file.write(text)
-            self.reject('another render' if 'x' in text else 'no rows')
+            self.reject('another render' if 'x' in text else 'list of rows')
         os.unlink(self.trace)
         result = self.run_one('--spp', '32', *self.checkpoint('--resume'))
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -50,8 +50,8 @@ struct job_goal render_goal(const struct options *options)
         .samples_per_frame = options->render.spp_per_frame,
         .accumulate = options->render.accumulate,
     };
-    // A path is followed without the tiles of an adaptive render, but with its sample sequence,
-    // which is that of a render without a fixed number of samples.
+    // --pixel follows a path without the tiles of an adaptive render, but with the same sample
+    // sequence. An adaptive render has the sequence of a render without a fixed number of samples.
     if (follows_path(options) && options->render.adaptive) {
         goal.adaptive = false;
         goal.seconds = INFINITY;
@@ -73,7 +73,8 @@ static bool init_job(struct render_run *run, struct err *err)
     };
     params.renderer.aovs = options->render.aovs | options->error_by;
     params.renderer.window = run->window;
-    // An adaptive render is one by path, but a followed path has no tiles to say so.
+    // For an adaptive render, --integrator auto is path. The goal of a followed path is not
+    // adaptive, so the job would choose by other rules and must not choose.
     params.chooses_integrator = !(follows_path(options) && options->render.adaptive);
     if (!follows_path(options)) {
         params.checkpoint = (struct job_checkpoint_params){
@@ -88,10 +89,11 @@ static bool init_job(struct render_run *run, struct err *err)
         params.command = options->render.shared_line;
     }
     if (run->ranks) {
-        params.reopens = 0; // other ranks have parts of the film, so it cannot be rendered anew
+        params.reopens = 0; // this job cannot restore the parts of the film that other ranks have
         run->ranks->job = &run->job;
         run->ranks->checkpoint = options->render.checkpoint;
-        if (render_ranks_save_each(options)) { // so that films are not added after each block
+        // Each rank saves its blocks, so the films need not be added after each block.
+        if (render_ranks_save_each(options)) {
             params.checkpoint.keeps_blocks = params.checkpoint.is_paced = true;
             params.checkpoint.seconds = OPTION_CHECKPOINT_SECONDS;
         }
@@ -142,8 +144,8 @@ static bool load(struct render_run *run, struct err *err)
     return true;
 }
 
-// Opens the device. If several devices are given, starts a thread for each other one, which opens
-// and prepares it.
+// Opens the job's device. If several devices are given, also opens the others, and starts a thread
+// for each of them, which creates its renderer.
 static bool open_devices(struct render_run *run, struct err *err)
 {
     const char *text = run->options->device.gpu.device;
@@ -156,7 +158,7 @@ static bool open_devices(struct render_run *run, struct err *err)
         return err_memory(err, "the name of a device", strlen(text));
     if (!gpu_open(&params, &run->gpu, err))
         return false;
-    return !run->job.params.crew || // the workers use the scene, whose settings the choice sets
+    return !run->job.params.crew || // the integrator is set in the scene before workers read it
            (job_choose_integrator(&run->job, err) &&
             render_devices_start(&run->devices, &params, text, &run->job.params, err));
 }
@@ -192,7 +194,7 @@ static bool set_up(struct render_run *run, struct err *err)
     return true;
 }
 
-// --- its end -------------------------------------------------------------------------------------
+// --- the end of a render -------------------------------------------------------------------------
 
 // Writes all requested outputs, even if some of them fail. The caller reports the last failure.
 static bool finish_outputs(struct render_run *run, struct err *err)
@@ -217,8 +219,8 @@ static bool finish_outputs(struct render_run *run, struct err *err)
     return ok;
 }
 
-// The caller reports the failure that ended rendering. An image whose error cannot be estimated is
-// a failure, too.
+// Writes the outputs of a rescued render and reports what fails here. The caller reports the
+// failure that ended rendering.
 static void write_rescued(struct render_run *run)
 {
     struct err failures[3] = {0};
@@ -261,7 +263,7 @@ static bool render(struct render_run *run, struct err *err)
     return ok;
 }
 
-// `ranks`: NULL if this process renders alone.
+// `ranks` is NULL if this process renders alone.
 static int render_once(const struct options *options, struct render_ranks *ranks)
 {
     struct render_run run = {.options = options, .start_ns = clock_ns(), .ranks = ranks};
@@ -279,7 +281,7 @@ static int render_once(const struct options *options, struct render_ranks *ranks
     arena_finish(&run.arena);
     if (!ok)
         return command_fail(&err);
-    return EXIT_CODE_OK; // main returns another code if a signal stopped it
+    return EXIT_CODE_OK; // main returns another code if a signal stopped the render
 }
 
 int cmd_render(const struct options *options)

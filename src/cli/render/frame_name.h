@@ -11,7 +11,7 @@
 // path_numbered() does: "turn.png" gives "turn.0001.png". Large numbers may have more digits.
 struct frame_name {
     const char *path;
-    int before;     // bytes of `path` before the number; all of the folder is before it
+    int before;     // bytes of `path` before the number, including the whole folder
     int taken;      // bytes of `path` that the number replaces
     int digits;     // minimum number of digits
     bool needs_dot; // a dot is put before the number

@@ -13,7 +13,7 @@ struct device_worker {
     uint32_t index;
     struct sample_range blocks[CREW_BLOCKS];
     uint32_t block_count;
-    bool is_to_give, has_given; // the worker must copy its film; it has copied it
+    bool is_to_give, has_given; // the worker must copy its film; the worker has copied its film
     bool is_to_end, has_failed;
     struct arena film_arena;
     struct crew_film film;
@@ -120,7 +120,8 @@ static void run_worker(void *context)
 
 // --- functions of struct crew --------------------------------------------------------------------
 
-// Returns whether a worker works without failure. The mutex must be locked.
+// Returns false, with *err set unless it is NULL, if the worker has failed. The mutex must be
+// locked.
 static bool check(const struct device_worker *worker, struct err *err)
 {
     if (!worker->has_failed)
@@ -168,7 +169,7 @@ static bool poll(void *context, bool waits, struct crew_done *out, bool *is_ther
     return ok;
 }
 
-// Takes the films one after the other, so that at most two are in memory.
+// Adds the workers' films to `to` one after the other, so that at most two films are in memory.
 static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_film *to,
                    struct err *err)
 {
@@ -268,7 +269,7 @@ static bool start_worker(struct render_devices *devices, struct err *err)
     return true;
 }
 
-// Returns device i; 0 is the job's own.
+// Returns device i of the list. Device 0 is the job's own.
 static struct gpu *device_of(struct render_devices *devices, struct gpu *own, uint32_t i)
 {
     return i == 0 ? own : &devices->workers[i - 1].gpu;

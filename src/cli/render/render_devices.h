@@ -1,5 +1,5 @@
-// Several devices of this machine that render one picture (--device 0,1): each has a thread, a
-// renderer and a film. The scene and its hierarchy are shared.
+// Several devices of this machine that render one picture (--device 0,1). Each device has a thread,
+// a renderer and a film. All devices share the scene and its hierarchy.
 #ifndef LAMPYRIS_CLI_RENDER_RENDER_DEVICES_H
 #define LAMPYRIS_CLI_RENDER_RENDER_DEVICES_H
 
@@ -17,19 +17,19 @@ struct render_devices {
     struct arena arena;
 };
 
-// Returns the number of devices in a list such as "0,1"; 1 for any other text.
+// Returns the number of devices in a list such as "0,1", or 1 for any other text.
 uint32_t render_devices_count(const char *text);
-// Returns the text of device i, from 0, of the list; NULL when out of memory.
+// Returns the text of device i, from 0, of the list. Returns NULL when out of memory.
 const char *render_devices_name(const char *text, uint32_t i, struct arena *arena);
 
-// Allocates the workers, and prepares the geometry that all devices share. `params` are those of
-// the job and must have its scene; sets params->renderer.geometry and params->crew. *out must not
-// be moved. The caller must call render_devices_finish() in any case, after job_finish().
+// Allocates the workers, and prepares the geometry that all devices share. `params` are the
+// parameters of the job, with the scene. Sets params->renderer.geometry and params->crew. *out must
+// not be moved. The caller must call render_devices_finish() in any case, after job_finish().
 bool render_devices_create(const char *text, struct job_params *params, struct render_devices *out,
                            struct err *err);
-// Opens the devices of the workers and starts their threads. These create their renderers while the
-// job creates its own. The job's device must be open. Devices with the same memory get equal shares
-// of it.
+// Opens the devices of the workers and starts their threads. The threads create the workers'
+// renderers while the job creates its own. The job's device must be open. Devices with the same
+// memory get equal shares of it.
 bool render_devices_start(struct render_devices *devices, const struct gpu_params *gpu,
                           const char *text, const struct job_params *params, struct err *err);
 // Ends the workers. Waits until each has finished its current block.

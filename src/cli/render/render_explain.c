@@ -92,8 +92,8 @@ void explain_print(struct render_run *run)
     for (uint32_t i = 0; i < run->scene.note_count; i++)
         print_line("note      ", run->scene.notes[i]);
     if (run->job.error.bounded)
-        printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, whose error is "
-               "larger than that of the means around them\n",
+        printf("relMSE    at most %.3g (95 %%); it divides by the pixels' own values, which have "
+               "more noise than the local means by which local relMSE divides\n",
                run->job.error.relmse_at_most);
     print_aim(r);
     print_waves(r);

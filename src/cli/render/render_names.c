@@ -1,6 +1,6 @@
-// Checks the names of outputs: that no file is written twice, or over an input. Numbered images
-// (--every) may be millions of files: existing ones, which may be links to any file, are looked up
-// in their folder, and the others compared by name.
+// Checks that no output is written twice, and that none replaces an input. Numbered images
+// (--every) may be millions of files, so only those that exist, which may be links, are compared as
+// files. All others are compared by name.
 #include "cli/render/render_run.h"
 
 #include "base/file.h"
@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Returns the n-th file that is written at the end: images, then checkpoint and trace; NULL for one
-// that was not requested.
+// Returns file n, from 0, of the files that are written at the end: the images, the checkpoint and
+// the trace. Returns NULL for a file that was not requested.
 static const char *output_at(const struct render_run *run, uint32_t n)
 {
     return n < run->output_count    ? run->outputs[n]
@@ -76,7 +76,7 @@ static bool list_numbered(const struct render_run *run, struct numbered_list *li
 
 // --- two outputs ---------------------------------------------------------------------------------
 
-// Checks a file with the name, and in the folder, of an image that will be numbered.
+// Checks that `path`, or the file to which it links, is not one of the numbered images.
 static bool check_name(const struct render_run *run, const char *path, struct arena *arena,
                        struct err *err)
 {
@@ -90,8 +90,8 @@ static bool check_name(const struct render_run *run, const char *path, struct ar
             ok = file_check_distinct(path, other, err);
         else if (other)
             ok = err_set(err, ERR_USAGE,
-                         "%s: is the picture after frame %u too (--every %u); expected a file for "
-                         "each output",
+                         "%s: is also the picture after frame %u (--every %u); expected a file of "
+                         "its own for each output",
                          path, (unsigned)number, (unsigned)run->options->render.every);
     }
     free(target);
@@ -134,7 +134,7 @@ bool render_check_distinct(const struct render_run *run, struct err *err)
 
 // --- outputs and inputs --------------------------------------------------------------------------
 
-// Drops the default PNG if its name is that of an input (a texture spot.png of spot.obj): only the
+// Drops the default PNG if an input has its name, as a texture spot.png of spot.obj has. Only the
 // EXR is then written.
 static void drop_default_of_inputs(struct render_run *run)
 {

@@ -32,8 +32,8 @@ static bool is_watched(const struct options *options)
     return terminal_is(stdout) && !options->quiet && !options->json;
 }
 
-// Names the default output: the scene's name with .exr, in the working directory. If a person reads
-// the summary, also a PNG file.
+// Names the default outputs, which are in the working directory and have the scene's name: an EXR
+// file and, if a person reads the summary, a PNG file.
 bool render_default_outputs(struct render_run *run, struct err *err)
 {
     static const char *const formats[] = {"%s.exr", "%s.png"};
@@ -50,7 +50,7 @@ bool render_default_outputs(struct render_run *run, struct err *err)
     return true;
 }
 
-// Lists the locks that a signal's handler removes when it ends the program.
+// Lists the lock files that the signal handler removes when it ends the program.
 static bool list_locks(struct render_run *run, struct err *err)
 {
     const char **paths = ARENA_NEW(&run->arena, const char *, run->lock_count);
@@ -119,7 +119,7 @@ uint64_t render_picture_bytes(const struct render_run *run, const char *path)
 bool render_check_space(const struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
-    // If time may end the run, only the last image is certain.
+    // If --time may end the run, only the last image is certain.
     bool is_certain = options->render.every && options->render.time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->render.frames / options->render.every + 1u : 1u;
     for (uint32_t i = 0; i < run->output_count; i++) {
@@ -169,8 +169,8 @@ static bool write_picture(const struct render_run *run, const char *path, struct
     return image_write(&params, err);
 }
 
-// Tries the simplest way first, because a compressor may have failed; if file sizes are limited,
-// smaller formats follow. Reports the format.
+// Saves the image. It is first written without compression, because a compressor may have failed.
+// If file sizes are limited, smaller formats are tried next. Reports the path and the format.
 static bool save(const struct render_run *run, const char *path, uint64_t limit,
                  const struct metadata *metadata, struct err *err)
 {
@@ -203,7 +203,7 @@ static void save_elsewhere(const struct render_run *run, const struct metadata *
         return;
     const char *path = arena_printf(arena, "%s/picture.exr", folder);
     struct err err = {0};
-    // The limit is raised as far as possible, because it may be the reason of the failure.
+    // The limit of file sizes is raised as far as possible, because it may have caused the failure.
     const uint64_t limit = file_size_limit_raise();
     if (!path || !save(run, path, limit, metadata, &err)) {
         folder_remove(folder);
@@ -212,10 +212,10 @@ static void save_elsewhere(const struct render_run *run, const struct metadata *
     free(folder);
 }
 
-// --- what a picture says about itself ------------------------------------------------------------
+// --- metadata ------------------------------------------------------------------------------------
 
-// Makes the command that renders this image again, even if a time limit, the error or the frame
-// number decided its contents. There is none if a signal interrupted it.
+// Makes the command that renders this image again, even if --time, --error or the number of frames
+// ended the render. Requires is_repeatable().
 static const char *repeating_command(const struct render_run *run, uint32_t frame,
                                      struct arena *arena)
 {
@@ -232,7 +232,8 @@ static const char *repeating_command(const struct render_run *run, uint32_t fram
     return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
 }
 
-// If pixels differ in their numbers of samples, no command makes the same image.
+// Returns whether a command can render the same image again. None can if a signal stopped the
+// render, if a merge is partial, or if pixels of a rescued film have different numbers of samples.
 static bool is_repeatable(const struct render_run *run)
 {
     // The command of a sequence has one number of samples for all of its pictures.
@@ -296,7 +297,7 @@ static bool write_outputs(struct render_run *run, uint32_t frame, struct arena *
             has_exr |= path_has_extension(path, "exr");
             continue;
         }
-        if (!ok) // the caller reports the first one
+        if (!ok) // the caller reports the first failure
             log_message(LOG_ERROR, "%s", failure.msg);
         else if (err)
             *err = failure;

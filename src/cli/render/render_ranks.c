@@ -24,7 +24,8 @@ static uint32_t number_of(const char *variable)
     return text ? (uint32_t)strtoul(text, NULL, 10) : 0;
 }
 
-// SLURM_NTASKS counts only with PMIX_RANK, because Slurm sets it for batch scripts, too.
+// SLURM_NTASKS is used only if PMIX_RANK is set, because Slurm sets SLURM_NTASKS also for batch
+// scripts.
 uint32_t render_ranks_expected(void)
 {
     uint32_t count = number_of("OMPI_COMM_WORLD_SIZE");
@@ -86,7 +87,7 @@ bool render_ranks_open_device(const struct options *options, struct render_ranks
     struct rank_card card = {0};
     uint32_t sharers;
     bool ok = choose_device(options, ranks, &arena, &params, err) && gpu_open(&params, gpu, err);
-    // Rank 0 chooses the integrator for all.
+    // Rank 0 chooses the integrator for all ranks.
     if (ok && ranks->rank == 0)
         ok = job_choose_integrator(job, err);
     if (ok) {
@@ -136,7 +137,7 @@ static bool give_film(struct job *job, struct render_ranks *ranks, struct err *e
     return ok;
 }
 
-// A block counts as finished when it is reported, so it is saved before.
+// Saves the block before it is reported, because rank 0 counts a reported block as finished.
 static bool render_block(struct job *job, struct render_ranks *ranks,
                          const struct sample_range *block, bool saves_each, struct err *err)
 {
@@ -188,7 +189,7 @@ static bool work(struct render_run *run, struct err *err)
            follow_orders(&run->job, run->ranks, render_ranks_save_each(options), err);
 }
 
-// Renders as a worker. It prints no warnings, because rank 0 prints the same ones.
+// Prints no warnings, because rank 0 prints the same ones.
 int render_ranks_work(const struct options *options, struct render_ranks *ranks)
 {
     struct render_run run = {.options = options, .ranks = ranks};

@@ -20,20 +20,21 @@ struct rank_order {
 };
 
 struct render_ranks {
-    struct job *job;        // this rank's; set before rendering
-    const char *checkpoint; // beside which it saves its blocks; NULL: nowhere
-    uint32_t rank, count;
-    uint32_t local_rank; // among the ranks of this machine
-    struct crew crew;    // rank 0's
-    // Called by all ranks: sends the card to rank 0. There it sets crew.members, and fails with
-    // ERR_INPUT if the hashes differ. Afterwards all ranks have rank 0's value of *integrator.
-    // *sharers is the number of ranks of this machine that have the same device memory. All of them
-    // have called it when it returns.
+    struct job *job;        // the job of this rank; set before rendering
+    const char *checkpoint; // the rank saves its blocks beside this file; NULL: it saves none
+    uint32_t rank, count;   // number of this rank, from 0; number of ranks
+    uint32_t local_rank;    // number of this rank, from 0, among the ranks of this machine
+    struct crew crew;       // used by rank 0 only
+    // Called by all ranks. Sends the card to rank 0. On rank 0, sets crew.members, and fails with
+    // ERR_INPUT if the hashes differ. Gives all ranks rank 0's value of *integrator. Sets *sharers
+    // to the number of ranks of this machine that have the same device memory. When the function
+    // returns, all ranks of this machine have called it.
     bool (*meet)(void *context, const struct rank_card *own, uint32_t *integrator,
                  uint32_t *sharers, struct err *err);
     // Returns when all ranks of this machine have called it.
     void (*wait_for_local)(void *context);
-    // Called by workers: wait for an order, report a finished block, send a film.
+    // Called by workers. next() waits for an order, report() reports a finished block, and
+    // hand_over() sends a film.
     bool (*next)(void *context, struct rank_order *out, struct err *err);
     bool (*report)(void *context, double seconds, struct err *err);
     bool (*hand_over)(void *context, uint32_t aovs, uint64_t bytes, const struct crew_film *film,
@@ -41,16 +42,16 @@ struct render_ranks {
     void *context;
 };
 
-// Returns the number of processes that mpirun or srun started together with this one; 1 if it was
-// started alone.
+// Returns the number of processes, including this one, that mpirun or srun started together.
+// Returns 1 if this process was started alone.
 uint32_t render_ranks_expected(void);
 
-// Saves the blocks of this rank, if it has some that were not saved yet. Does not fail: a failure
-// is a warning.
+// Saves the blocks of this rank that were not saved yet. A failure is only logged, as an error.
 void render_ranks_save(struct render_ranks *ranks);
 
-// Renders as a rank. Rank 0 prints the result, and any rank its failure. Returns the exit code. If
-// it is not EXIT_CODE_OK, other ranks may still wait for this one, and the caller must abort them.
+// Renders as one of the ranks. Rank 0 prints the result. A rank that fails prints the reason.
+// Returns the exit code. If the code is not EXIT_CODE_OK, other ranks may still wait for this one,
+// and the caller must abort them.
 int render_with_ranks(const struct options *options, struct render_ranks *ranks);
 
 #endif

@@ -108,8 +108,10 @@ bool render_replay(struct render_run *run, struct err *err)
     const struct settings *settings = &run->scene.settings;
     uint32_t x = options->render.pixel[0], y = options->render.pixel[1];
     if (x >= settings->width || y >= settings->height)
-        return err_set(err, ERR_USAGE, "--pixel %u,%u is outside the picture of %u x %u", x, y,
-                       settings->width, settings->height);
+        return err_set(err, ERR_USAGE,
+                       "--pixel %u,%u: is outside the picture; expected a pixel of the %u x %u "
+                       "pixels, counted from 0",
+                       x, y, settings->width, settings->height);
     struct replay replay;
     if (!job_replay(&run->job, x, y, options->render.sample, &run->arena, &replay, err))
         return false;

@@ -115,7 +115,7 @@ static void print_ending(const struct render_run *run)
                "%.4g %% confidence, where %.3g was requested%s\n",
                run->job.look_count, (uint64_t)look->samples, look->error.at_most,
                100.0 * look->confidence, run->options->render.error,
-               look->error.known ? "" : " (a bound alone is known)");
+               look->error.known ? "" : " (only this bound is known)");
     if (run->job.plan.counts)
         printf("adaptive  %u to %u samples for every %u planned ones, after a pilot of 16\n",
                run->job.plan.least, run->job.plan.most, run->job.round_samples);
@@ -175,8 +175,8 @@ void report_print_kernels(const struct render_stats *stats)
         putchar('\n');
 }
 
-// Marks the `most` largest of `count` amounts that are above 0 in `is_large`, and returns the sum
-// of the others.
+// Marks the largest amounts in `is_large`: at most `most` of the `count` amounts, and only amounts
+// above 0. Returns the sum of the others.
 static double pick_largest(const double *amounts, int count, int most, bool *is_large)
 {
     double others = 0.0;
@@ -239,7 +239,7 @@ void report_print_steps(const struct render_run *run)
     print_steps(&run->job.seconds, STEP_COUNT);
 }
 
-// Prints a line for each of several devices or ranks.
+// Prints a line for each device or rank if there are several.
 static void print_crew(const struct render_run *run)
 {
     const struct crew *crew = run->job.params.crew;

@@ -1,5 +1,5 @@
-// A run of `lampyris render`: the state that its parts (writing, reporting, showing) share. The job
-// renders.
+// The state of a run of `lampyris render`. The files that write, report and show the image share
+// it. struct job renders the image.
 #ifndef LAMPYRIS_CLI_RENDER_RENDER_RUN_H
 #define LAMPYRIS_CLI_RENDER_RENDER_RUN_H
 
@@ -10,13 +10,13 @@
 #include "image/image.h"
 #include "job/job.h"
 
-// A viewer that receives the image.
+// The connection to the viewer tev, which receives the image while it is rendered.
 struct tev;
 struct render_tev {
     struct tev *viewer;         // NULL: none
     uint64_t begin_ns, sent_ns; // start of rendering; time when the last image was read
     double seconds;             // time of reading and packing images
-    uint64_t next_sample;       // number of samples after which the next image is sent
+    uint64_t next_sample;       // samples per pixel after which the next image is sent
 };
 
 // The key of the metadata by which --resume recognises a finished picture of a sequence.
@@ -36,33 +36,34 @@ struct render_run {
     struct gpu gpu;
     struct job job;
     struct render_ranks *ranks;    // NULL: this process renders alone
-    struct render_devices devices; // with several devices: all but the first
+    struct render_devices devices; // all devices but the first, if there are several
     uint32_t camera;
-    struct render_window window; // of the picture, with --crop
+    struct render_window window; // the part of the picture that --crop selects; {0} without --crop
     const char **outputs;
     struct file_lock *locks; // one for each output, then for the checkpoint and the trace
     uint32_t output_count, lock_count;
 
     uint64_t start_ns;
-    struct progress progress;   // the options' progress, but patient: see render_stop.c
-    uint64_t stop_ns;           // when a signal was first seen whose effect is delayed until every
-                                // pixel has a sample
+    struct progress progress;   // the options' progress with delayed stops: see render_stop.c
+    uint64_t stop_ns;           // time at which a stop was first delayed until every pixel has a
+                                // sample; 0: no stop was delayed
     bool stop_is_told;          // the delay was reported
-    struct reference reference; // without pixels if there is none
+    struct reference reference; // has no pixels without --reference
     struct render_tev tev;
-    bool is_written;           // the final images were written, or failed to be
-    float exposure;            // stops of the last PNG images
+    bool is_written;           // the final images were written, or writing them has failed
+    float exposure;            // exposure, in stops, of the PNG images that were written last
     bool exposure_is_kept;     // a sequence has the exposure of its first picture
     struct render_frame frame; // place of the current picture in its sequence
 };
 
 // --- cmd_render.c ---
 struct job_goal render_goal(const struct options *options);
-// Loads the scene of the options; ERR_INPUT if nothing in it is visible.
+// Loads the scene of the options. Fails with ERR_INPUT if nothing in it is visible.
 bool render_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                        struct err *err);
 
-// Finds the window of --crop; {0} without it. Fails with ERR_USAGE if it is not inside the picture.
+// Finds the window of --crop, or {0} without --crop. Fails with ERR_USAGE if the window is not
+// inside the picture.
 bool render_find_window(const struct options *options, const struct scene *scene,
                         struct render_window *out, struct err *err);
 
@@ -70,7 +71,7 @@ bool render_find_window(const struct options *options, const struct scene *scene
 // Opens a device of this machine for this rank, and reports it to rank 0.
 bool render_ranks_open_device(const struct options *options, struct render_ranks *ranks,
                               struct job *job, struct err *err);
-// Renders blocks for rank 0 until it ends; returns the exit code.
+// Renders blocks for rank 0 until rank 0 orders the end. Returns the exit code.
 int render_ranks_work(const struct options *options, struct render_ranks *ranks);
 // Replaces this process by lampyris-mpi. Returns an exit code if that program cannot be run.
 int render_ranks_become(const struct options *options);
@@ -96,17 +97,18 @@ bool render_ranks_save_each(const struct options *options);
 
 // --- render_output.c ---
 // Chooses the names and checks before rendering whether the formats are known, the folders are
-// writable, and no other run writes the same files. They stay locked until render_release_outputs.
+// writable, and no other run writes the same files. The outputs stay locked until
+// render_release_outputs().
 bool render_check_outputs(struct render_run *run, struct err *err);
 // Names the outputs of a run without -o.
 bool render_default_outputs(struct render_run *run, struct err *err);
-// Returns the most bytes that a picture has in a file of that name, before compression.
+// Returns the number of bytes, before compression, of the picture in a file with the name `path`.
 uint64_t render_picture_bytes(const struct render_run *run, const char *path);
-// Checks that the images fit into the free space. Their size must be known.
+// Checks that the images fit into the free space. The width and height must be known.
 bool render_check_space(const struct render_run *run, struct err *err);
-// Writes all images; frame > 0: numbered, "NAME.0012.exr". If one cannot be written, the others
-// still are; if no EXR file could be written, the image is saved in the system's folder for
-// temporary files.
+// Writes all images. If frame > 0, their names have the number of the frame, as in "NAME.0012.exr".
+// If an image cannot be written, the others still are. If then no EXR file was written, the image
+// is saved in the system's folder for temporary files.
 bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *err);
 void render_release_outputs(struct render_run *run);
 
@@ -117,13 +119,13 @@ int render_sequence(const struct options *options);
 // --- render_report.c ---
 void render_print_summary(struct render_run *run);
 bool render_print_json(const struct render_run *run, struct err *err);
-// Returns why auto is the integrator that it is; NULL if the integrator was named.
+// Returns why --integrator auto has chosen its integrator. Returns NULL if the setting is not auto.
 const char *render_auto_reason(const struct render_run *run);
-// Returns the command to which --pixel and --sample are added to follow a path; NULL if paths
-// cannot be followed: if they split, or belong to a sequence of pictures.
+// Returns the command to which --pixel and --sample are added to follow a path. Returns NULL if
+// paths cannot be followed, because they split or belong to a sequence of pictures.
 const char *render_following_command(const struct render_run *run);
-// Returns the command that follows the path of a dropped contribution, or NULL; it lives in the
-// run's arena.
+// Returns the command that follows the path of a dropped contribution, in the run's arena. Returns
+// NULL if no contribution was dropped, or if paths cannot be followed.
 const char *render_reproducing_command(struct render_run *run);
 
 // --- render_trace.c ---
@@ -132,24 +134,25 @@ bool render_open_reference(struct render_run *run, struct err *err);
 // Reads the trace that a resumed render continues. Does nothing without --trace. Call it after
 // job_open().
 bool render_read_trace(struct render_run *run, struct err *err);
-// Writes the rows so far. A file that cannot be written is a warning.
+// Writes the rows so far. Only warns if the file cannot be written.
 bool render_update_trace(struct render_run *run, struct err *err);
 // Adds the row of the finished image and writes all rows.
 bool render_end_trace(struct render_run *run, struct err *err);
 
 // --- render_tev.c ---
-// With --tev, starts to connect; only a malformed address is an error.
+// Starts to connect if --tev is given. A viewer that does not answer is not an error.
 bool render_tev_open(struct render_run *run, struct err *err);
 // Sends the initial image before the first sample.
 bool render_tev_begin(struct render_run *run, struct err *err);
-// Sends the image when the samples have doubled or some time has passed, unless the last one is
-// still being sent or the cost is too high. Returns false if the film could not be read.
+// Sends the image if the samples per pixel have doubled or two seconds have passed since the last
+// one. Sends nothing while the last image is still being sent, or if sending has taken too much of
+// the render's time. Returns false if the film could not be read.
 bool render_tev_when_due(struct render_run *run, struct err *err);
 // Sends the image as it was read last, and closes the connection.
 void render_tev_end(struct render_run *run);
 
 // --- render_replay.c ---
-// --pixel X,Y --sample S: renders nothing, prints one path.
+// Follows and prints the path of --pixel and --sample, and renders nothing else.
 bool render_replay(struct render_run *run, struct err *err);
 
 #endif

@@ -16,8 +16,9 @@
 
 // --- progress ------------------------------------------------------------------------------------
 
-// Shows the progress of all pictures. Within a picture only its rendering counts. The bar never
-// goes back, so that the remaining time is that of all pictures.
+// Reports the finished fraction of all pictures, so that the estimate of the remaining time is that
+// of all pictures. Within a picture, only the phase of rendering counts. The fraction never
+// decreases.
 static void report(void *context, const char *phase, double fraction)
 {
     struct sequence_progress *shown = context;
@@ -86,8 +87,8 @@ static bool refresh_geometry(struct sequence *s, const struct scene *scene, stru
     return true;
 }
 
-// Moves the camera and the ground back to their places in the first picture, if the program chose
-// or added them: it placed them anew for the pose.
+// If the program has chosen the camera or added the ground, loading has placed them anew for the
+// pose. Moves them back to their places in the first picture.
 static void keep_additions(const struct sequence *s, struct scene *scene)
 {
     if (scene->camera_is_framed)
@@ -190,7 +191,8 @@ static bool find_identity(struct sequence *s, struct err *err)
     return s->identity || err_memory(err, "the identity of a sequence", 4096);
 }
 
-// The time for loading and building counts for the picture for which the scene was loaded.
+// The time for loading the scene and building its BVH is added to the picture for which the scene
+// was loaded.
 static bool create_job(struct sequence *s, struct err *err)
 {
     if (!init_job(s, err) || !job_create(&s->run.job, err))
@@ -232,7 +234,7 @@ static bool set_up(struct sequence *s, struct err *err)
     if (render_ranks_expected() > 1)
         return err_set(err, ERR_USAGE,
                        "mpirun: the pictures of a sequence are rendered by one process; expected "
-                       "no ranks");
+                       "a command without mpirun");
     // Locks of the first picture's files protect all pictures of the sequence.
     if (!sequence_list_names(s, err) || !sequence_turn_to(s, 0, err) ||
         !render_check_outputs(run, err) || !load_first(s, err) || !sequence_video_check(s, err) ||

@@ -1,4 +1,5 @@
-// Ends a render after a signal: after the current wave, but not before every pixel has a sample.
+// After a signal, a render ends with the current wave, but not before every pixel has a sample or
+// PATIENCE_SECONDS have passed.
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/signals.h"
@@ -17,8 +18,9 @@ static double patience_seconds(void)
     return signals_leave_time() ? PATIENCE_SECONDS : 0.0;
 }
 
-// Returns false while it is not known whether the delay is long enough to be reported: before the
-// end of the first wave there is no rate, only the time waited so far.
+// Reports the delay of the stop if it is long enough, and returns whether it was reported. The
+// delay is estimated from the speed of rendering or, before the end of the first wave, by the time
+// that has passed since the signal.
 static bool say_what_it_waits_for(const struct render_run *run)
 {
     const struct pass *pass = &run->job.renderer.pass;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The greatest share of the render's time for reading and packing images.
+// No image is sent if reading and packing images have taken more than this share of the time.
 #define COST_MAX 0.03
 #define SECONDS_BETWEEN 2.0
 
@@ -28,7 +28,7 @@ static uint32_t count_channels(const struct image_layer *layer)
     return count;
 }
 
-// Appends a layer's channels; floats represent object and sample numbers up to 2^24 exactly.
+// Appends a layer's channels as floats. Numbers of objects and samples are exact up to 2^24.
 static void pack_layer(struct tev_picture *picture, const struct image_layer *layer)
 {
     const char *const *names = layer->channels ? layer->channels : color;

@@ -1,4 +1,4 @@
-// --trace and --reference of render: the trace's file, and the reference image.
+// Reads the reference image of --reference, and reads and writes the file of --trace.
 #include "cli/render/render_run.h"
 
 #include "base/clock.h"
@@ -12,8 +12,8 @@
 
 // --- the reference -------------------------------------------------------------------------------
 
-// Warns if the reference has the same seed: samples that it shares with the image make the error
-// between them too small.
+// Warns if the reference was rendered from the same scene with the same seed. The reference and the
+// image then have samples in common, which makes the error between them too small.
 static void warn_of_shared_samples(struct render_run *run, const char *path)
 {
     struct image_attribute *list;
@@ -62,13 +62,13 @@ bool render_open_reference(struct render_run *run, struct err *err)
 bool render_read_trace(struct render_run *run, struct err *err)
 {
     const char *path = run->options->render.trace;
-    if (!path || !run->job.resumed.file) // without a checkpoint to resume, the file is replaced
+    if (!path || !run->job.resumed.file) // if no checkpoint is resumed, the trace is replaced
         return true;
     if (!file_exists(path)) {
         log_warn("%s: does not exist: the trace begins where the checkpoint ends", path);
         return true;
     }
-    struct trace trace = run->job.trace; // its identity; the rows are replaced by those of the file
+    struct trace trace = run->job.trace; // trace_read() checks its hashes and replaces its rows
     if (!trace_read(path, &trace, &run->arena, err))
         return false;
     job_resume_trace(&run->job, trace.rows, trace.count);
@@ -109,8 +109,7 @@ bool render_update_trace(struct render_run *run, struct err *err)
 {
     const char *path = run->options->render.trace;
     struct err failure = {0};
-    // A path that is no regular file gets all rows at the end, because it cannot be rewritten after
-    // each row.
+    // Only a regular file can be rewritten after each row. Other files get all rows at the end.
     if (file_is_special(path) || write_file(run, &failure))
         return true;
     if (failure.code != ERR_OUTPUT) {

@@ -9,8 +9,8 @@
 
 // The progress of all pictures that this run renders.
 struct sequence_progress {
-    const struct progress *whole; // that of the command
-    uint32_t done, count;         // pictures; count 0: none is being rendered yet
+    const struct progress *whole; // the command's progress
+    uint32_t done, count;         // finished and all pictures; count is 0 while none is rendered
     double shown;                 // the greatest fraction so far
 };
 
@@ -27,20 +27,20 @@ struct sequence {
     struct render_run run;
     struct sequence_progress shown;
     struct progress progress;
-    struct frame_name *names; // of the outputs
+    struct frame_name *names; // names of the outputs
     uint32_t name_count;
     struct sequence_video video;
     uint32_t count, index; // number of pictures; the current one, from 0
     bool *is_finished;     // for each picture: whether an earlier run finished it
     uint32_t rendered, skipped;
     const char *identity; // everything that determines the pictures except their times or views
-    struct camera camera; // of the first picture; a camera that the program chose keeps this place
+    struct camera camera; // the first picture's; a camera that the program chose keeps this place
     double ground[2][3];  // centre and normal of the ground that was added to the first picture
     struct turntable turntable;
     struct geometry geometry;
     struct arena frame_arena;   // memory of the names of the current picture
-    uint64_t load_ns, bvh_ns;   // time of loading the current scene, and of it for building the BVH
-    struct job_seconds seconds; // of all rendered pictures
+    uint64_t load_ns, bvh_ns;   // loading time of the current scene; the part of it for the BVH
+    struct job_seconds seconds; // sums over all rendered pictures
     double worst_error;         // the greatest local relMSE of a picture; 0: none is known
     uint32_t worst;             // number of that picture, from 1
 };

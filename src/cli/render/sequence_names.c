@@ -13,7 +13,7 @@ bool sequence_list_names(struct sequence *s, struct err *err)
     run->output_count = asked->output_count;
     if (run->output_count == 0 && !render_default_outputs(run, err))
         return false;
-    // One more for the PNG files of videos.
+    // The PNG files from which videos are made may need one more name.
     s->names = ARENA_NEW(&run->arena, struct frame_name, run->output_count + 1);
     s->video.paths = ARENA_NEW(&run->arena, const char *, run->output_count);
     if (!s->names || !s->video.paths)

@@ -39,7 +39,7 @@ static void find_point(const struct scene *scene, struct turntable *t)
         t->point[i] = camera->position[i] + along * camera->direction[i];
 }
 
-// Returns whether a direction is parallel to the axis. The threshold is that for `up` in scene
+// Returns whether a direction is parallel to the axis. The same threshold applies to `up` in scene
 // files.
 static bool looks_along(const double direction[3], const double axis[3])
 {

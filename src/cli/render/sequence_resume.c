@@ -14,7 +14,7 @@ static bool has_metadata(const char *path)
     return path_has_extension(path, "exr") || path_has_extension(path, "png");
 }
 
-// Metadata of a file; NULL if it has none of that name.
+// Metadata of a file. A member is NULL if the file has no such entry.
 struct said {
     const char *identity, *exposure;
 };
@@ -42,7 +42,7 @@ static bool read_picture(const char *path, struct arena *arena, struct said *out
     return true;
 }
 
-// Takes the exposure from the first finished picture, because all pictures have the same.
+// Takes the exposure from the first finished picture, because all pictures have the same exposure.
 static void keep_exposure(struct render_run *run, const char *text)
 {
     if (!text || run->exposure_is_kept)

@@ -88,7 +88,7 @@ static bool read_words(FILE *file, char *out, size_t size)
     return length > 0;
 }
 
-// Runs ffmpeg and waits for its end. Kills it if the run is to stop.
+// Runs ffmpeg and waits for its end. Kills ffmpeg if the progress listener requests a stop.
 static bool run(const struct sequence *s, const char *const *arguments, struct err *err)
 {
     struct process process;
@@ -117,7 +117,8 @@ static bool run(const struct sequence *s, const char *const *arguments, struct e
     return ok;
 }
 
-// Copies the file into `path`, which keeps its old content until the copy is durable.
+// Copies the file `from` to `path`. An existing file at `path` is replaced only when the copy is
+// complete on the disk.
 static bool copy(const char *from, const char *path, struct err *err)
 {
     struct file_writer writer;
@@ -137,8 +138,9 @@ static bool copy(const char *from, const char *path, struct err *err)
     return ok;
 }
 
-// Makes one video. All players show Rec. 709 with chroma for every second pixel (4:2:0). ffmpeg
-// neither syncs its file nor replaces another one atomically, so it writes a temporary file.
+// Makes one video, in the format that all players support: Rec. 709 with half the chroma resolution
+// (4:2:0). ffmpeg neither syncs its file nor replaces another one atomically, so it writes a
+// temporary file, which is then copied.
 static bool make(const struct sequence *s, const char *path, struct arena *arena, struct err *err)
 {
     const struct frame_name *source = &s->names[s->video.source];

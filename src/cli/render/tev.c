@@ -12,7 +12,8 @@
 #define CREATE_IMAGE 4
 #define UPDATE_IMAGE 5 // with several channels
 #define NAME_MAX_BYTES 1024
-// Bytes of the values in one packet, unless a row has more: the viewer displays packets one by one.
+// Greatest number of bytes of the values in a packet, unless one row of the image has more. The
+// viewer displays each packet when it arrives.
 #define BAND_BYTES ((size_t)4 << 20)
 
 struct tev {
@@ -21,11 +22,11 @@ struct tev {
     struct thread thread;
     struct mutex mutex;
     struct condition changed;
-    // The mutex protects these.
-    bool has_picture; // it is waiting or being sent
+    // The mutex protects the members from here to `picture`.
+    bool has_picture; // an image is waiting or being sent
     bool is_closing, is_abandoned, is_failed, is_done;
     struct tev_picture picture; // owns its arrays
-    // Only the thread uses these.
+    // Only the thread uses the members below.
     struct connection connection;
     bool is_created; // the image was created in the viewer
 };
@@ -52,7 +53,7 @@ static bool is_host_text(const char *text, size_t length)
     return length > 0 && length <= TEV_HOST_MAX;
 }
 
-// Returns the end of the host, and sets the start of the port; NULL: there is none.
+// Sets the host and its length. Returns the start of the port, or NULL if there is no port.
 static const char *split(const char *text, const char **host, size_t *length)
 {
     const char *end = strchr(text, ']'), *colon = strchr(text, ':');
@@ -103,7 +104,7 @@ static bool is_abandoned(void *context)
 
 static bool fail(struct tev *tev, const char *reason)
 {
-    if (is_abandoned(tev)) // nobody waits for it any more, and tev_wait has reported that
+    if (is_abandoned(tev)) // the render no longer waits for the viewer
         return false;
     log_warn("--tev: %s port %s: %s; the render goes on without tev", tev->address.host,
              tev->address.port, reason);
@@ -141,7 +142,7 @@ static void put_bytes(struct head *head, const void *data, size_t size)
     head->size += size;
 }
 
-// Returns the bits of the value in tev's byte order on any host.
+// Returns the value with its bytes in the order of tev, which is little-endian.
 static uint32_t little_endian(uint32_t value)
 {
     const uint8_t bytes[] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16),
@@ -217,7 +218,7 @@ static bool send_band(struct tev *tev, struct head *head, uint32_t from, uint32_
     return true;
 }
 
-// Sends its bands from the top.
+// Sends the image in bands of rows, from the top.
 static bool send_picture(struct tev *tev, struct head *head)
 {
     const struct tev_picture *picture = &tev->picture;
@@ -242,7 +243,7 @@ void tev_free_picture(struct tev_picture *picture)
     *picture = (struct tev_picture){0};
 }
 
-// Waits for an image, or for the end.
+// Waits for an image, or for the end of the connection. Returns whether there is an image.
 static bool await_picture(struct tev *tev)
 {
     mutex_lock(&tev->mutex);
@@ -307,7 +308,7 @@ struct tev *tev_open(const struct tev_address *address, const char *name, struct
     int status = thread_start(&tev->thread, run, tev);
     if (status == 0)
         return tev;
-    err_set(err, ERR_SYSTEM, "--tev: no thread: %s", strerror(status));
+    err_set(err, ERR_SYSTEM, "--tev: cannot start a thread: %s", strerror(status));
     destroy(tev);
     return NULL;
 }

@@ -9,8 +9,9 @@
 //   UpdateImage v2, 5: bool take the focus; text name; int32 channels; texts: their names;
 //                      int32 x, y, width, height; floats, one channel after the other
 //
-// A separate thread talks to the viewer. It holds one image; the caller asks whether that was sent
-// before it makes a newer one. Only tev_wait and tev_close wait for the peer, for a limited time.
+// A separate thread sends the images. It holds one image at a time, so the caller asks with
+// tev_is_ready() whether the last image was sent before it makes the next one. Only tev_wait() and
+// tev_close() wait for the viewer, for a limited time.
 #ifndef LAMPYRIS_CLI_RENDER_TEV_H
 #define LAMPYRIS_CLI_RENDER_TEV_H
 
@@ -22,8 +23,8 @@
 #define TEV_HOST_MAX 255   // bytes of a host name (RFC 1035, section 2.3.4)
 #define TEV_CHANNEL_MAX 64 // bytes of a channel's name, with the NUL
 #define TEV_CHANNELS_MAX 64
-#define TEV_PATIENCE_SECONDS 3.0  // the connection ends if the peer accepts nothing for this time
-#define TEV_FAREWELL_SECONDS 10.0 // or if it has not accepted the last image after this time
+#define TEV_PATIENCE_SECONDS 3.0  // the connection ends if the viewer accepts no byte for this time
+#define TEV_FAREWELL_SECONDS 10.0 // longest time to wait at the end until the image is sent
 
 struct tev_address {
     char host[TEV_HOST_MAX + 1];
@@ -38,8 +39,8 @@ bool tev_parse_address(const char *text, struct tev_address *out, struct err *er
 struct tev_picture {
     uint32_t width, height;
     uint32_t channel_count;            // at most TEV_CHANNELS_MAX
-    char (*channels)[TEV_CHANNEL_MAX]; // names; every image has those of the first one
-    float *values;                     // channel by channel, rows from the top
+    char (*channels)[TEV_CHANNEL_MAX]; // names; all images of a connection have the same
+    float *values;                     // all values of a channel, then the next; rows from the top
 };
 
 struct tev;
@@ -52,11 +53,12 @@ struct tev *tev_open(const struct tev_address *address, const char *name, struct
 bool tev_is_ready(struct tev *tev);
 // Takes ownership of the image; call it only when ready.
 void tev_send(struct tev *tev, struct tev_picture *picture);
-void tev_free_picture(struct tev_picture *picture); // if it was not passed to tev_send()
+// Frees an image that was not passed to tev_send().
+void tev_free_picture(struct tev_picture *picture);
 // Waits until nothing is being sent, for at most TEV_FAREWELL_SECONDS.
 void tev_wait(struct tev *tev);
-// Waits likewise and ends the thread. A thread that is resolving a name for too long is left
-// running until the program ends. Accepts NULL.
+// Waits as tev_wait() does, and ends the thread. A thread that takes too long to resolve a name is
+// left running until the program ends. Accepts NULL.
 void tev_close(struct tev *tev);
 
 #endif

@@ -142,11 +142,12 @@ static bool check_belongs(const struct trace *trace, const char *render, const c
 
 static bool damaged(uint32_t row, const char *what, struct err *err)
 {
-    return err_set(err, ERR_INPUT, "row %u: %s; expected a trace as this version writes them", row,
-                   what);
+    return err_set(err, ERR_INPUT, "row %u: wrong %s; expected a trace written by this version",
+                   row, what);
 }
 
-// Returns the text before the next separator, which it replaces by NUL; NULL after the last.
+// Returns the text before the next separator, and replaces the separator by NUL. Returns NULL if no
+// text is left.
 static char *next_part(char **rest, char separator)
 {
     char *begin = *rest, *end = begin ? strchr(begin, separator) : NULL;
@@ -201,11 +202,11 @@ static bool read_csv(char *text, struct trace *trace, struct err *err)
 {
     char *rest = text, *line = next_part(&rest, '\n');
     if (!has_names(line))
-        return damaged(0, "other columns", err);
+        return damaged(0, "names of columns", err);
     while (rest && *rest) {
         line = next_part(&rest, '\n');
         if (trace->count == TRACE_ROWS_MAX)
-            return damaged(trace->count, "too many", err);
+            return damaged(trace->count, "number of rows", err);
         if (!read_csv_row(line, trace->count + 1, trace, &trace->rows[trace->count], err))
             return false;
         trace->count++;
@@ -242,7 +243,7 @@ static bool read_json(const struct file_bytes *bytes, struct trace *trace, struc
     size_t count = json_array_size(rows);
     bool ok = json_is_array(rows) && render && count <= TRACE_ROWS_MAX
                   ? check_belongs(trace, render, reference ? reference : "", err)
-                  : damaged(0, "no rows", err);
+                  : damaged(0, "list of rows", err);
     for (size_t i = 0; ok && i < count; i++)
         ok = read_json_row(json_array_get(rows, i), (uint32_t)i + 1, &trace->rows[i], arena, err);
     trace->count = ok ? (uint32_t)count : 0;
