@@ -34,9 +34,9 @@ float heuristic(float ratio)
     return MIS == MIS_BALANCE ? ratio : ratio * ratio;
 }
 
-// Returns the weight of a contribution of a camera path. The arguments are ratios to this path's
-// density: of the other strategy of camera paths (shadow rays, or hitting the emitter), and of
-// light paths.
+// Returns the weight of a contribution of a camera path. The arguments are the densities of the
+// other strategy of camera paths (shadow rays, or hitting the emitter) and of light paths, both
+// divided by the density of this path.
 float weight_of_camera_path(float other, float of_light_paths)
 {
 #ifdef LIGHT_PATHS_ALONE // for tests: only light paths contribute, wherever they can
@@ -46,8 +46,8 @@ float weight_of_camera_path(float other, float of_light_paths)
     return 1.0 / (1.0 + heuristic(other) + heuristic(of_light_paths));
 }
 
-// Returns the weight of a contribution of a light path. The arguments are ratios to this path's
-// density: of shadow rays, and of camera paths that hit the emitter.
+// Returns the weight of a contribution of a light path. The arguments are the densities of shadow
+// rays and of camera paths that hit the emitter, both divided by the density of this path.
 float weight_of_light_path(float by_shadow_ray, float by_hit)
 {
 #ifdef LIGHT_PATHS_ALONE
@@ -56,8 +56,9 @@ float weight_of_light_path(float by_shadow_ray, float by_hit)
     return 1.0 / (1.0 + heuristic(by_shadow_ray) + heuristic(by_hit));
 }
 
-// Returns the number of pixels times the extent of one of them in a unit direction from the camera:
-// its solid angle, or its area for an orthographic camera. The camera's vectors are orthogonal.
+// Returns the number of pixels times the solid angle of the pixel in a unit direction from the
+// camera. For an orthographic camera, the pixel's area replaces its solid angle. The camera's
+// vectors are orthogonal.
 float image_extent(vec3 direction)
 {
     if (CAMERA == CAMERA_PANORAMIC) {
@@ -91,7 +92,7 @@ float reach_of_far(vec3 point, vec3 towards)
     return reached ? 1.0 / (PI * square) : 0.0;
 }
 
-// Returns Q at a vertex, which was stored at its predecessor.
+// Returns Q at a vertex of a path, which was stored at the vertex before.
 float load_ratio(uint slot)
 {
     return uintBitsToFloat(load_path(slot, PATH_WEIGHTS).x);

@@ -20,7 +20,7 @@
 struct command;
 struct progress;
 
-#define OPTIONS_ARGUMENTS_MAX 16     // except for merge
+#define OPTIONS_ARGUMENTS_MAX 16     // greatest number of arguments, except for merge
 #define OPTIONS_PARTS_MAX UINT32_MAX // the greatest number of parts for merge
 #define SEQUENCE_FRAMES_MAX 1000000u
 #define SEQUENCE_FPS_MIN 0.001
@@ -186,8 +186,8 @@ struct option_def {
     const char *brief;    // the option's line in --help; for settings, `setting` has it
     bool is_for_tests;    // the option is only in manual pages and tests/README.md, not in the help
     size_t offset, size;  // offset and size of the member in struct options
-    const struct setting *setting; // the setting, which defines what this row does not; NULL: it is
-                                   // not a setting
+    const struct setting *setting; // the setting, which defines what this row does not; NULL: the
+                                   // option is not a setting
 };
 
 extern const struct option_def option_table[OPTION_TOTAL];
@@ -230,7 +230,7 @@ struct render_options {
     const char **outputs;
     uint32_t output_count;
     uint32_t aovs;    // AOV_*
-    uint32_t crop[4]; // X0, Y0, X1, Y1 of the window of the picture; all 0: the whole
+    uint32_t crop[4]; // X0, Y0, X1, Y1 of the window; all 0: the whole picture
     bool half_float, png16;
     double time_seconds; // seconds; 0: no limit
     double error;        // upper bound of the local relMSE at which to stop; 0: no limit
@@ -243,7 +243,7 @@ struct render_options {
     bool accumulate;
     const char *checkpoint;    // NULL: none is written
     double checkpoint_seconds; // interval between two checkpoints
-#define OPTION_CHECKPOINT_SECONDS 60.0 // without --checkpoint-every: the longest one
+#define OPTION_CHECKPOINT_SECONDS 60.0 // longest interval without --checkpoint-every
     bool resume;
     const char *shard_text; // text given to --shard; NULL: none
     enum shard_by shard_by;
@@ -251,8 +251,8 @@ struct render_options {
     struct job_merged *merged; // set by merge: the film of the picture to write; otherwise NULL
     uint32_t reopens;          // number of times that a lost device is reopened
 
-    uint32_t pixel[2]; // the path to follow, with --pixel
-    uint64_t sample;
+    uint32_t pixel[2]; // with --pixel: X and Y of the pixel of the path to follow
+    uint64_t sample;   // index, from 0, of the sample of this path
     bool explain;      // list the omitted parts, with reasons
     const char *trace; // file; NULL: none
     const char *tev;   // HOST:PORT; NULL: none
@@ -338,7 +338,7 @@ struct options {
     int argc; // as passed to main, for commands that reproduce a run
     char **argv;
     const struct command *command; // NULL only with --help or --version
-    int command_index;             // of the command's name in argv
+    int command_index;             // index of the command's name in argv
     const char **arguments; // SCENE …; IMAGE and REFERENCE; PART …; or COMMAND of help; ends with
                             // NULL
     uint32_t argument_count;

@@ -9,7 +9,8 @@
 // Checks whether the format of a picture is known (ERR_USAGE), and whether it can be written into
 // its folder (ERR_OUTPUT).
 bool outputs_check_one(const char *path, struct err *err);
-// Refuses layers (`aovs` is not 0) without an EXR file, because other formats have none.
+// Fails with ERR_USAGE if layers are requested (`aovs` is not 0) and no picture is an EXR file,
+// because other formats have no layers. Succeeds if there are no pictures.
 bool outputs_check_layers(const char *const *paths, uint32_t count, uint32_t aovs, struct err *err);
 
 #endif

@@ -70,8 +70,8 @@ static bool can_have_light_paths(const struct job *job)
         NULL);
 }
 
-// Between a delta light and a camera ray, a perfectly specular surface blocks the shadow rays that
-// alone find the light, unless light paths do.
+// Only shadow rays and light paths find delta lights. Perfectly specular surfaces block shadow
+// rays, so the caustics of delta lights are missing without light paths.
 static void find_lost_caustics(const struct job *job, struct biases *biases)
 {
     if (settings_integrator(&job->scene->settings) != INTEGRATOR_PATH)

@@ -8,9 +8,9 @@
 enum { JOB_MAX_BIASES = 9 };
 
 struct job_bias {
-    const char *kind; // name of the setting that causes it
+    const char *kind; // name of the setting that causes the bias
     char text[200];
-    bool is_idle; // counters show that it has not changed this image
+    bool is_idle; // counters show that the setting has not changed this image
 };
 
 // Returns the number of biases. A limit of --max-bounces is not listed, because it was requested.

@@ -1,8 +1,8 @@
-// The blocks of ranks. A checkpoint has all samples below a number. If a rank is lost before the
-// next one, each other rank saves what its film has beside the checkpoint: blocks of samples with
-// gaps, as a part (merge.h). The next run adds these files, renders what lies between their
-// samples, and then goes on as from a checkpoint. Sums of samples do not depend on their order, so
-// the bits are those of one run.
+// The blocks of ranks. A checkpoint has all samples below some index. If a rank is lost before the
+// next checkpoint, each other rank saves its film beside the last checkpoint, as a part (merge.h).
+// Such a film has blocks of samples with gaps. The next run adds these files, renders the samples
+// between the blocks, and then continues as from a checkpoint. Sums of samples do not depend on
+// their order, so the bits are those of one run.
 #include "job/job_internal.h"
 
 #include "base/file.h"
@@ -114,7 +114,8 @@ struct firsts {
     uint32_t count, capacity;
 };
 
-// Returns whether `name` is that of blocks saved beside the checkpoint `checkpoint`, a name, too.
+// Returns whether `name` is the file name of blocks that were saved beside the checkpoint with the
+// file name `checkpoint`.
 static bool parse_name(const char *name, const char *checkpoint, uint64_t *first)
 {
     const size_t length = strlen(checkpoint);
@@ -126,7 +127,7 @@ static bool parse_name(const char *name, const char *checkpoint, uint64_t *first
     return *name >= '0' && *name <= '9' && *end == '\0';
 }
 
-// Lists the files of saved blocks. A folder that cannot be read has none.
+// Lists the files of saved blocks. If the folder cannot be read, the list is empty.
 static void list_files(const char *path, struct arena *arena, struct firsts *out)
 {
     const char *name = path_name(path);
@@ -171,7 +172,7 @@ static bool read_ranges(const struct checkpoint *c, struct arena *arena, struct 
            err_set(err, ERR_INPUT, "%s: its list of samples is not readable", c->path);
 }
 
-// Reads the film into `records`, or adds it to them.
+// Reads the film into `records` or, with `adds`, adds it to them.
 static bool read_film(struct job *job, struct checkpoint *c, char *records, bool adds,
                       bool precedes, struct arena *arena, struct err *err)
 {
@@ -198,7 +199,8 @@ static bool fail_late(struct job *job, const char *path, uint64_t end, struct er
                    path, end, job_next_stop(job));
 }
 
-// The file of rank 0 has the checkpoint's samples, too, or newer ones: it takes their place.
+// The file of rank 0 has all samples of the checkpoint, and perhaps newer ones, so its film
+// replaces that of the checkpoint.
 static bool replace_base(struct job *job, struct checkpoint *c, const struct sample_ranges *ranges,
                          struct arena *arena, struct err *err)
 {

@@ -1,6 +1,6 @@
-// Chooses the integrator for INTEGRATOR_AUTO: from the scene's features alone if they suffice, else
-// by a pilot of both integrators. The choice depends on no clock and not on the division of the
-// work, so that all processes that share a render make the same one.
+// Chooses the integrator for INTEGRATOR_AUTO, from the scene's features alone if they suffice, else
+// by a pilot of both integrators. The choice depends neither on a clock nor on the division of the
+// work, so all processes that share a render choose the same integrator.
 #include "job/job_internal.h"
 
 #include "base/clock.h"
@@ -13,20 +13,19 @@
 #include <stdio.h>
 #include <string.h>
 
-// The pilot's picture has at most about this many pixels, and each integrator takes at least so
-// many samples in all, and at least so many of each pixel.
+// The pilot's picture has about PILOT_PIXELS pixels, or fewer if the render's has. Each integrator
+// takes about PILOT_SAMPLES samples in all, but at least PILOT_LEAST samples per pixel.
 #define PILOT_PIXELS 4096u
 #define PILOT_SAMPLES (1u << 17)
 #define PILOT_LEAST 32u
-// Fewer samples are not worth a pilot, which costs as much as rendering 1 million of these, less
-// than 3 %, on a processor whose driver has both integrators' kernels in its cache
-// (docs/measurements/2026-11-27-auto.md).
+// A render with fewer samples has no pilot. On a processor whose driver has the kernels of both
+// integrators in its cache, the pilot takes the time of about 1 million samples, which is less than
+// 3 % of this number (docs/measurements/2026-11-27-auto.md).
 #define WORTH_A_PILOT 33554432.0 // 2^25
 // A ray of bidir takes up to this many times as long as one of path, because there are more kernels
 // in which few paths are under way (docs/measurements/2026-11-26-light-paths.md).
 #define BIDIR_RAY_COST 1.3
-// Without a number of samples, a render takes as many as an error limit needs, or as fit into a
-// time. From this time on the pilot is a small part of it.
+// A render with a shorter time limit and no number of samples has no pilot.
 #define WORTH_A_PILOT_SECONDS 300.0
 
 static bool choose(struct job *job, uint32_t integrator, const char *reason, struct err *err)
@@ -42,7 +41,7 @@ static bool choose(struct job *job, uint32_t integrator, const char *reason, str
 
 // --- the choice of an earlier run ----------------------------------------------------------------
 
-// Finds the integrator in an identity, and chooses it if auto could have.
+// Chooses the integrator in an identity, if that is one of the two between which auto chooses.
 static bool adopt(struct job *job, const char *identity, struct err *err)
 {
     static const uint32_t integrators[] = {INTEGRATOR_PATH, INTEGRATOR_BIDIR};
@@ -76,7 +75,7 @@ static bool adopt_from_file(struct job *job, struct err *err)
 // --- the pilot -----------------------------------------------------------------------------------
 
 // Returns the number of samples of all pixels that the whole render takes, also if this process
-// renders only a part of it; INFINITY: as many as are necessary.
+// renders only a part of it. Returns INFINITY if the number is not known but may be large.
 static double samples_planned(const struct job *job)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -123,8 +122,9 @@ static double mean_difference(const double (*weights)[3], const float (*a)[3], c
 }
 
 // Estimates the errors of both pictures, relative to the mean of the two. If no camera path has
-// found a caustic, the halves of path agree with each other, but not with bidir: the expected
-// squared difference of the two pictures is the sum of their errors.
+// found a caustic, the halves of path agree with each other, but not with bidir. The expected
+// squared difference of the two pictures is the sum of their errors, so the error of path is at
+// least this difference less the error of bidir.
 static bool find_errors(const struct film_image *path, const struct film_image *bidir,
                         struct arena *arena, struct integrator_choice *out, struct err *err)
 {
@@ -175,7 +175,7 @@ static bool run_pilot(struct job *job, struct err *err)
     choice->height = small.settings.height;
     choice->samples = (uint32_t)small.settings.spp;
     job->progress = job_progress(job);
-    // Its renderers would repeat the warnings of the render.
+    // The renderers of the pilot would repeat the warnings of the render.
     enum log_level level = log_set_level(LOG_ERROR);
     struct arena arena = {0};
     struct film_image path, bidir;

@@ -187,7 +187,7 @@ static double progress_of(const struct job *job, const struct job_step *step)
     return step->from + (step->to - step->from) * fmin((double)deal->done / deal->all, 1.0);
 }
 
-// Returns the progress after this block, without blocks that others finish meanwhile.
+// Returns the progress after this block, without blocks that other members finish meanwhile.
 static double progress_after(const struct job *job, const struct job_step *step,
                              const struct sample_range *block)
 {
@@ -231,7 +231,7 @@ static bool render_own_block(struct job *job, const struct job_step *step, struc
 static bool deal_all(struct job *job, const struct job_step *step, struct err *err)
 {
     while (true) {
-        // Workers get their blocks first, so that none waits while the own block is rendered.
+        // Workers get their blocks first, so that none waits while the job renders its own block.
         if (!collect(job, false, err) || !give_blocks(job, 1, err))
             return false;
         if (may_deal(job)) {

@@ -35,8 +35,8 @@ struct crew_film {
 
 // The functions return false with *err set on failure. The job's rendering then ends.
 struct crew {
-    uint32_t count;              // workers
-    struct crew_member *members; // count + 1 of them: the job's own renderer first
+    uint32_t count;              // number of workers
+    struct crew_member *members; // count + 1 members; the first is the job's own renderer
     const char *word;            // what a member is: "device", "rank"
     // Gives a worker one more block. It never has more than CREW_BLOCKS.
     bool (*give)(void *context, uint32_t worker, const struct sample_range *block, struct err *err);
@@ -60,8 +60,8 @@ bool crew_take(struct job *job, struct arena *arena, struct crew_film *out, stru
 
 // Saves the film, with the list of its samples, in a file beside the checkpoint at `path`: its name
 // is that of the checkpoint with ".blocks-" and the number of the first sample. Does nothing if the
-// film has no samples that were not saved yet, or if a block is not finished. For the job with the
-// crew, too.
+// film has no samples that were not saved yet, or if a block is not finished. The job that has the
+// crew may call this function, too.
 bool crew_save(struct job *job, const char *path, struct err *err);
 
 // --- for the makers of a crew --------------------------------------------------------------------

@@ -48,7 +48,8 @@ struct film_image film_rows_alone(const struct film_image *film)
     return rows;
 }
 
-// Returns the unseen light of these rows. *moved: the list of small lights, to be freed.
+// Sets *out to the unseen light of the film's rows, and *moved to a list that *out uses, which the
+// caller must free. Returns false when out of memory.
 static bool unseen_of_rows(const struct film_image *film, const struct unseen_light *unseen,
                            struct small_light **moved, struct unseen_light *out)
 {

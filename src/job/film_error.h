@@ -14,13 +14,13 @@ struct film_error_params {
     // samples.
     bool is_contiguous;
     uint64_t planned;
-    bool lacks_light; // light paths from rows that were not rendered bring some
+    bool lacks_light; // the light of light paths of rows that were not rendered is missing
     struct unseen_light unseen;
 };
 
 // Returns the parameters that follow from the renderer's settings, without unseen light.
 struct film_error_params film_error_of(const struct renderer *renderer, uint64_t samples);
-// Does the same and adds the unseen light of the scene; `arena` owns its data.
+// Does the same as film_error_of(), and adds the unseen light of the scene. `arena` owns its data.
 bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
                         struct film_error_params *out, struct err *err);
 

@@ -32,7 +32,7 @@ struct probe_hit;
 struct probe_ray;
 struct replay;
 
-// --- what is asked for ---------------------------------------------------------------------------
+// --- parameters ----------------------------------------------------------------------------------
 
 // The goal of a render. The render ends as soon as one of these limits is reached.
 struct job_goal {
@@ -63,10 +63,10 @@ struct job_checkpoint_params {
 // Samples that the ranks of a lost run had saved, and that are not yet in the film: see blocks.c.
 struct job_saved_blocks {
     struct arena arena;
-    struct crew_film film;       // their sum
-    struct sample_ranges ranges; // in `film`
-    uint64_t end;                // the render goes on normally when all samples below this one are
-                                 // in the film; 0: nothing was saved
+    struct crew_film film;       // the sum of the saved samples
+    struct sample_ranges ranges; // the samples that `film` has
+    uint64_t end;                // all samples below this one must be in the job's film before the
+                                 // render continues as usual; 0: nothing was saved
 };
 
 // A shard: one of several processes that share a render renders some of the samples of every pixel,
@@ -128,7 +128,7 @@ struct job_params {
     const struct progress *progress; // NULL: progress is not reported and no stop is requested
 };
 
-// --- what comes out ------------------------------------------------------------------------------
+// --- results -------------------------------------------------------------------------------------
 
 struct job_seconds {
     double load, bvh, upload, compile, render;
@@ -145,8 +145,8 @@ enum job_end {
     ENDED_BY_TIME,
     ENDED_BY_ERROR,
     ENDED_BY_SIGNAL,
-    ENDED_BY_DEVICE, // this and the next one: a failure after which the film was rescued
-    ENDED_BY_MEMORY
+    ENDED_BY_DEVICE, // the device failed, and the film was rescued
+    ENDED_BY_MEMORY  // memory ran out, and the film was rescued
 };
 
 // An error estimate during the render.
@@ -254,8 +254,8 @@ struct job {
     // Used if the job has a crew, or is a worker of one.
     struct crew_deal deal;
     bool has_samples;    // the renderer's film has samples
-    uint64_t first_held; // the first sample in that film
-    struct sample_ranges held; // all samples in that film
+    uint64_t first_held; // the first sample in the renderer's film
+    struct sample_ranges held; // all samples in the renderer's film
     uint32_t held_capacity;
     uint64_t held_saved; // number of samples of `held` that were saved last
     struct job_saved_blocks saved;
@@ -282,7 +282,8 @@ struct job {
     struct checkpoint resumed; // the checkpoint that is resumed; closed once its state is restored
     uint64_t checkpoint_ns;    // when the last checkpoint was written or, before the first one,
                                // when rendering began
-    uint64_t checkpoint_from;  // when the films of a crew began to be added for it; 0: no crew
+    uint64_t checkpoint_from;  // when adding the crew's films for the next checkpoint began; 0: the
+                               // job has no crew
     double checkpoint_cost;    // seconds that the last checkpoint took; 0: there is none yet
     bool has_checkpoint;       // there is a file from which this render can continue
     uint64_t next_look;        // samples per pixel at the next interim test
@@ -290,14 +291,15 @@ struct job {
     struct job_rescue rescue;
 };
 
-// --- life ----------------------------------------------------------------------------------------
+// --- create and finish ---------------------------------------------------------------------------
 
 // Initialises a job and checks its goal. Fails with ERR_USAGE if the method, the shard and the goal
 // cannot be combined. Needs no device yet, but params->renderer.gpu must be the address of the
 // device that will be opened.
 bool job_init(const struct job_params *params, struct job *out, struct err *err);
 // Needs an open device. Chooses the integrator, if params.chooses_integrator is set. job_open()
-// calls it, too; callers with a crew call it before the workers start, which have the same scene.
+// calls this function, too. Callers with a crew call it before they start the workers, which use
+// the same scene.
 bool job_choose_integrator(struct job *job, struct err *err);
 // Needs an open device. Chooses the integrator. Computes the job's identity if a checkpoint or a
 // trace needs it, and reads the checkpoint to resume from, if there is one. Fails with ERR_INPUT if
@@ -305,7 +307,7 @@ bool job_choose_integrator(struct job *job, struct err *err);
 bool job_open(struct job *job, struct err *err);
 // Creates the renderer and restores the state from the checkpoint.
 bool job_create(struct job *job, struct err *err);
-// Calls these three functions. On failure, it also calls job_finish().
+// Calls job_init(), job_open() and job_create(). On failure, also calls job_finish().
 bool job_start(const struct job_params *params, struct job *out, struct err *err);
 void job_finish(struct job *job); // accepts NULL and {0}
 
@@ -353,7 +355,7 @@ void job_go_on(struct job *job);
 
 double job_elapsed(const struct job *job); // rendering time since the beginning, in seconds
 
-// --- what may change on the way ------------------------------------------------------------------
+// --- changes during a render ---------------------------------------------------------------------
 
 // See renderer_set_camera(). The film is restarted.
 bool job_set_camera(struct job *job, const struct camera *camera, uint32_t width, uint32_t height,
@@ -366,7 +368,7 @@ bool job_clear(struct job *job, struct err *err);
 // See renderer_resize(). Sets the number of paths in flight.
 bool job_set_wave(struct job *job, uint32_t paths, struct err *err);
 void job_set_progress(struct job *job, const struct progress *progress);
-// NULL: removes the listener
+// Sets the listener. NULL removes it.
 void job_set_listener(struct job *job, const struct job_listener *listener);
 // Adds the time since start_ns, a value of clock_ns(), to the job's seconds for this kind of work.
 enum job_work { JOB_LOADING, JOB_BUILDING, JOB_JUDGING, JOB_WRITING, JOB_TOTAL };
@@ -374,7 +376,7 @@ void job_add_time(struct job *job, enum job_work work, uint64_t start_ns);
 // Copies the rows of an earlier run that this one continues.
 void job_resume_trace(struct job *job, const struct trace_row *rows, uint32_t count);
 
-// --- probes, which leave the film alone ----------------------------------------------------------
+// --- probes, which do not change the film --------------------------------------------------------
 
 bool job_replay(struct job *job, uint32_t x, uint32_t y, uint64_t sample, struct arena *arena,
                 struct replay *out, struct err *err);            // see renderer_replay()
@@ -430,7 +432,7 @@ const char *job_forecast(const struct job *job, struct forecast *out);
 // Adds a row for the finished image to the trace, if the job keeps one.
 void job_end_trace(struct job *job);
 
-// --- going on ------------------------------------------------------------------------------------
+// --- checkpoints and rescue ----------------------------------------------------------------------
 
 // Returns everything that determines the samples, as lines of "name=value". Returns NULL when out
 // of memory. Needs the device.

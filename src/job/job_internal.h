@@ -15,13 +15,14 @@ _Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
 
 // The last line of an identity: the samples or rows of a shard, or "none" for a whole render.
 #define JOB_SHARD_LINE "--shard="
-// The line of parts that says which: "samples", or JOB_BY_TILES with the number of samples.
+// A part's line that says what JOB_SHARD_LINE counts: "samples", or, for rows, JOB_BY_TILES with
+// the number of samples.
 #define JOB_SHARD_BY_LINE "--shard-by="
 #define JOB_BY_TILES "tiles"
-// The lines of what merge needs to know of a render.
+// Lines that merge reads: the size of the picture, and the samples per pixel in a round.
 #define JOB_SIZE_LINE "--size="
 #define JOB_ROUND_LINE "samples a round="
-// The line of the integrator, which has an option.
+// The line of the integrator.
 #define JOB_INTEGRATOR_LINE "--integrator="
 
 // --- identity.c ---
@@ -100,7 +101,7 @@ bool job_hold(struct job *job, const struct sample_range *block, struct err *err
 bool job_hold_only(struct job *job, const struct sample_range *range, struct err *err);
 // For a render that is resumed: reads the blocks that ranks of a lost run have saved.
 bool job_open_blocks(struct job *job, struct err *err);
-// Renders the samples between them, and adds them to the film.
+// Renders the samples between the saved blocks, and adds the blocks to the film.
 bool job_fill_blocks(struct job *job, struct err *err);
 // Removes saved blocks that are in the checkpoint.
 void job_remove_blocks(const struct job *job);
@@ -119,7 +120,7 @@ bool job_begin_shard(struct job *job, struct err *err);
 
 // How several renderers share a render: parts with some samples, parts with some rows, or a crew.
 enum job_division { JOB_BY_SAMPLES, JOB_BY_ROWS, JOB_BY_CREW };
-// Checks that several renderers may share this render in that way.
+// Checks that several renderers may share this render by `division`.
 bool job_check_divisible(const struct job *job, enum job_division division, struct err *err);
 
 // --- crew_film.c ---

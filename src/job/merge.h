@@ -33,7 +33,7 @@ struct merge_part {
 // The picture's mean luminance as rendered by one device, with its standard error. It is computed
 // only with `mixed`, and not comparable if parts are by tiles: devices then have different pixels.
 struct merge_device {
-    const char *name; // with the driver
+    const char *name; // names of the device and its driver
     uint32_t part_count;
     double mean, standard_error;
 };
@@ -44,7 +44,7 @@ struct merge {
     uint32_t count;
     struct merge_device *devices;
     uint32_t device_count;
-    const char *command;          // of the part with the largest number of planned samples
+    const char *command;          // command of the part with the most planned samples
     bool by_tiles;                // each part has all samples of some rows
     struct sample_ranges samples; // the samples, or rows, of all parts together
     uint64_t planned;             // samples per pixel of the largest render
@@ -53,12 +53,12 @@ struct merge {
     uint32_t *counts; // samples of each of `tile_count` tiles in a round of an adaptive render;
                       // NULL: the render is not adaptive
     uint32_t tile_count;
-    uint64_t rounds; // of the whole render; without tiles, a round is one sample per pixel
+    uint64_t rounds; // rounds of the whole render; without tiles, a round is a sample per pixel
     uint64_t film_bytes;
     bool has_whole_films; // parts by tiles have films of the whole picture: light paths reach all
                           // rows
     uint32_t aovs;        // AOV_* of the film
-    const char *own_identity; // of the first part, with its device and driver
+    const char *own_identity; // identity of the first part, with its device and driver
     struct job_merged merged;
 };
 

@@ -79,8 +79,8 @@ static bool make_plan(struct job *job, struct err *err)
 bool job_run_pilot(struct job *job, struct err *err)
 {
     struct renderer *r = &job->renderer;
-    // A shard by tiles takes the samples of the whole picture, too: only so is its plan that of
-    // all.
+    // A shard by tiles takes the pilot's samples of the whole picture, too, because all shards must
+    // have the same plan.
     const struct film_rows rows = r->rows, all = {0, r->frame.height};
     uint32_t seed = r->frame.seed;
     const struct render_call call = {.samples = 1, .progress_to = 1e-9, .stopped = &job->stopped};

@@ -99,8 +99,7 @@ static uint64_t looks_unit(const struct job *job)
     return each % LOOKS_FIRST == 0 ? each : LOOKS_FIRST * each;
 }
 
-// Plans the next interim test. If a checkpoint has stored one for the same error limit, that
-// remains.
+// Plans the next interim test, unless a checkpoint has stored a plan for the same error limit.
 static void plan_looks(struct job *job, uint64_t unit)
 {
     uint64_t done = steps_done(job) * job_step_samples(job);

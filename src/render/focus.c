@@ -18,7 +18,7 @@ static enum sharpness of_alpha(float alpha)
     return alpha <= SHARP_ALPHA ? IS_SHARP : IS_DULL;
 }
 
-// A texture may have any roughness.
+// A textured roughness counts as perfectly specular, because it may have any value.
 static enum sharpness of_roughness(const struct scene *scene, const struct material *m,
                                    uint32_t parameter)
 {
@@ -52,7 +52,7 @@ static enum sharpness of_material(const struct scene *scene, const struct materi
     case MATERIAL_PRINCIPLED:
         return of_principled(scene, m);
     case MATERIAL_PHONG:
-    case MATERIAL_BLINN_PHONG: // alpha of an exponent: Walter et al. 2007, section 5.3
+    case MATERIAL_BLINN_PHONG: // alpha as a function of the exponent: Walter et al. 2007, sec. 5.3
         return sharper(of_alpha(sqrtf(2.0f / (m->exponent + 2.0f))), IS_DULL);
     default:
         return of_roughness(scene, m, PARAMETER_ROUGHNESS);

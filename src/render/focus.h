@@ -1,5 +1,5 @@
-// Whether the surfaces of a scene may focus light that light paths would find (INTEGRATOR_BIDIR).
-// It is decided from materials and lights alone, without tracing rays.
+// Finds out whether the surfaces of a scene may focus light, which light paths (INTEGRATOR_BIDIR)
+// would find. Only the materials and the lights are examined; no rays are traced.
 #ifndef LAMPYRIS_RENDER_FOCUS_H
 #define LAMPYRIS_RENDER_FOCUS_H
 
@@ -7,7 +7,7 @@
 
 enum focus {
     FOCUS_NONE,     // nothing focuses light, or light paths cannot begin or end
-    FOCUS_POSSIBLE, // camera paths find the focused light by chance
+    FOCUS_POSSIBLE, // surfaces may focus light, and camera paths can find it by chance
     // Perfectly specular surfaces may focus the light of delta lights, which no camera path finds.
     FOCUS_LOST,
 };

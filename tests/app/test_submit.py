@@ -156,7 +156,7 @@ class Files(Shards):
         result = self.run_one('merge', '--status', 'a')
         self.assertEqual((result.returncode, result.stderr), (1, ''))
         self.assertRegex(result.stdout, 'part      a: samples 0:524288, unfinished, \\d+ %')
-        self.assertIn('some of them belong to none of these parts', result.stdout)
+        self.assertIn('some missing ones belong to none of these parts', result.stdout)
         self.assertIn('--shard 524288:1048576\n', result.stdout)
 
 

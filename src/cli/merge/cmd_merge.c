@@ -1,4 +1,4 @@
-// lampyris merge: adds parts. The command render then writes the picture as if it had rendered it.
+// lampyris merge: adds the films of parts. Then cmd_render() writes the picture as after a render.
 #include "cli/commands.h"
 
 #include "base/file.h"
@@ -104,7 +104,7 @@ static bool is_unfinished(const struct merge_part *part)
     return part->wanted.count == 1 && count_samples(&part->samples) < count_samples(&part->wanted);
 }
 
-// Prints the commands that finish the unfinished parts, after a heading. heading: NULL for none.
+// Prints the commands that finish the unfinished parts, after `heading` unless that is NULL.
 static void print_resumes(FILE *out, const struct merge *merge, const char *heading)
 {
     for (uint32_t i = 0; i < merge->count; i++) {
@@ -221,8 +221,8 @@ static const struct {
 } output_options[] = {
     {"--exposure", true}, {"--tone", true}, {"--half", false}, {"--png16", false}};
 
-// Parts do not depend on how the picture is displayed or encoded, so their commands may differ in
-// that. The picture is written by one of them.
+// Parts do not depend on options of display and encoding, so their commands may differ in these.
+// The picture is written as by one of the commands. Warns if another part has other options.
 static bool warn_of_outputs(struct merge *merge, struct err *err)
 {
     for (uint32_t i = 0; i < merge->count; i++) {
@@ -265,7 +265,7 @@ static bool make_arguments(const struct merge *merge, const struct options *opti
     const char *line = merge->command;
     for (char *word; (word = next_word(&line, text)); text += strlen(word) + 1) {
         out->list[out->count++] = word;
-        // After "lampyris render", since "--" may stand before the scene.
+        // The outputs follow "lampyris render", because "--" may stand before the scene.
         for (uint32_t i = 0; out->count == 2 && i < outputs; i++) {
             out->list[out->count + 2 * (int)i] = arena_strdup(arena, "-o");
             out->list[out->count + 2 * (int)i + 1] =
@@ -306,7 +306,8 @@ static bool make_options(const struct merge *merge, const struct options *option
     return true;
 }
 
-// Lets render write the picture. It renders nothing, because the merged film counts as complete.
+// Lets cmd_render() write the picture. No sample is rendered, because the merged film counts as
+// complete.
 static int write_picture(struct merge *merge, const struct options *options, struct err *err)
 {
     struct arena arena = {0};
@@ -347,7 +348,7 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
     printf("missing   %" PRIu64 " of %" PRIu64 " %s (%s)\n", missing, merge->all, unit(merge),
            text ? text : "");
     if (lacking->unclaimed.count > 0)
-        printf("some of them belong to none of these parts; these commands render those:\n");
+        printf("some missing ones belong to none of these parts; these commands render them:\n");
     print_commands(stdout, merge, &lacking->unclaimed);
     print_resumes(stdout, merge,
                   "these commands finish the unfinished parts, unless their shards still run:");

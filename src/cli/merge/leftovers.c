@@ -7,8 +7,8 @@
 #include "base/file_system.h"
 #include <string.h>
 
-// Writing one file takes seconds to minutes. The clocks of a file server and of this machine may
-// differ, but hardly by an hour.
+// Temporary files that were not changed for this time are removed. Writing one file takes seconds
+// to minutes, and the clock of a file server hardly differs by an hour from that of this machine.
 #define STALE_SECONDS 3600.0
 
 static bool is_temporary(const char *name)

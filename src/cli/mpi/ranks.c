@@ -131,8 +131,8 @@ static bool give(void *context, uint32_t worker, const struct sample_range *bloc
     return true;
 }
 
-// Saves the blocks of rank 0 and prints how to continue, in case a rank was lost: mpirun then ends
-// all ranks after a second.
+// If the render is to stop, prints how to continue it, in case a rank was lost. After SIGTERM, also
+// saves the blocks of rank 0, because mpirun kills all ranks a second after it has lost one.
 static void mention_stop(struct ranks_context *c)
 {
     if (!progress_should_stop(c->options->progress))
@@ -143,8 +143,9 @@ static void mention_stop(struct ranks_context *c)
         return;
     c->is_told = true;
     if (c->options->render.checkpoint)
-        log_warn("stopping: waiting for the blocks of other ranks; if one was lost, this continues "
-                 "from the last checkpoint and the saved blocks, with or without mpirun: %s%s",
+        log_warn("stopping: waiting for the blocks of other ranks; if a rank was lost, this "
+                 "command continues from the last checkpoint and the saved blocks, with or without "
+                 "mpirun: %s%s",
                  c->options->command_line, c->options->render.resume ? "" : " --resume");
     else
         log_warn("stopping: waiting for the blocks of other ranks; if a rank was lost, all samples "
@@ -180,9 +181,9 @@ static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_fil
 
 // --- workers -------------------------------------------------------------------------------------
 
-// Saves the blocks of this rank. Rank 0 prints how to continue if another rank was lost, and rank 1
-// if rank 0 was lost. After any loss, mpirun sends SIGTERM to all remaining ranks before it kills
-// them.
+// After a rank was lost, mpirun sends SIGTERM to all remaining ranks before it kills them. This
+// rank then saves its blocks. If rank 0 was lost, rank 1 prints how to continue; otherwise rank 0
+// does.
 static void mention_lost_leader(struct ranks_context *c)
 {
     if (!signals_received_sigterm())
@@ -194,8 +195,8 @@ static void mention_lost_leader(struct ranks_context *c)
     if (c->options->render.checkpoint)
         log_message(
             LOG_ERROR,
-            "stopping: if rank 0 was lost, this continues from the last checkpoint and the saved "
-            "blocks, with or without mpirun: %s%s",
+            "stopping: if rank 0 was lost, this command continues from the last checkpoint and the "
+            "saved blocks, with or without mpirun: %s%s",
             c->options->command_line, c->options->render.resume ? "" : " --resume");
 }
 
@@ -267,7 +268,7 @@ static bool meet(void *context, const struct rank_card *own, uint32_t *integrato
         if (c->cards[i].hash != own->hash)
             return err_set(err, ERR_INPUT,
                            "rank %u has another command line, another scene or another build of "
-                           "lampyris than rank 0; expected the same for all, or --shard auto",
+                           "lampyris than rank 0; expected the same for all ranks, or --shard auto",
                            i);
         ranks->crew.members[i].device = c->cards[i].device;
         ranks->crew.members[i].driver = c->cards[i].driver;

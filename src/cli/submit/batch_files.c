@@ -76,7 +76,8 @@ static const char *plain_name(struct arena *arena, const char *stem)
     return name;
 }
 
-// Returns the path of this program, quoted for a shell. Nodes may have another one in their PATH.
+// Returns the path of this program, quoted for a shell. The nodes of the cluster may have another
+// lampyris in their PATH.
 static const char *own_program(struct arena *arena)
 {
     char own[PATH_MAX];

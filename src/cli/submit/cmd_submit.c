@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The number of a job. If there are several clusters, the name of its cluster follows: "12;north".
+// Greatest size of a job's number as sbatch prints it. If there are several clusters, the name of
+// the job's cluster follows the number, as in "12;north".
 #define JOB_BYTES 128
 
 struct submission {
