@@ -20,8 +20,8 @@ void main()
     uint slot = queue_slot(push.queue, item);
     uvec4 words = load_shadow_ray(slot, 0u, 2u);
     uint number = load_path(slot, PATH_WEIGHTS).w;
-    uint pixel = words.w - push.film_first_pixel; // wraps around to a huge number for pixels of
-                                                  // earlier ranges
+    uint pixel = words.w - push.film_first_pixel; // for pixels of earlier ranges, wraps around to a
+                                                  // huge number
     uint pixels = uint(film_words.length()) / AOV_FILM_WORDS(AOVS);
     if (words.rgb == uvec3(0u) || pixel >= pixels)
         return;

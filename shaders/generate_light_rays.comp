@@ -31,8 +31,8 @@ void main()
     if (valid) {
         light_start l = start_light_path(uniforms(slot, DIMENSION_LIGHT_PATH),
                                          uniforms(slot, DIMENSION_LIGHT_PATH + 1u));
-        // The largest component of the throughput begins at 1, so that roulette compares it with
-        // the path's beginning.
+        // The throughput is divided by its largest component, because Russian roulette expects a
+        // throughput that begins at 1.
         float scale = max(l.power.r, max(l.power.g, l.power.b));
         valid = l.valid && scale > 0.0 && is_finite(l.power);
         store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(l.origin), l.primitive));

@@ -1,6 +1,6 @@
 // One thread processes one surface hit of a light path: connects it to the camera (the queue of
-// shadow rays) and scatters the path (the queue of rays of the next bounce). Reads a queue of
-// surface hits: of all surfaces, or of one class.
+// shadow rays) and scatters the path (the queue of rays of the next bounce). Reads a queue of the
+// surface hits of all classes or of one class.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -14,15 +14,15 @@
 
 // Two ratios of densities, from which MIS weights are computed: the densities of this path by
 // shadow rays to its emitter, and by camera paths that hit the emitter, each divided by the density
-// of the light path. Both lack the factor of the connection to the camera; multiplied by it, they
-// are the inverses of the ratios in lib/bidir.glsl.
+// of the light path. Both lack the factor of the connection to the camera. Multiplied by this
+// factor, they are the inverses of the ratios in lib/bidir.glsl.
 struct ratios {
     float by_shadow_ray;
     float by_hit;
 };
 
-// Connects the vertex to the camera. Returns false if it contributes nothing. u: lens x, y; choice
-// of the pixel.
+// Connects the vertex to the camera. Returns false if the connection contributes nothing. The
+// random numbers u choose the point of the lens (x and y) and the pixel (z).
 bool connect_camera(vertex v, ratios r, float scale, vec3 u)
 {
     camera_sight c = see_from_camera(v.s.position, u.xy);

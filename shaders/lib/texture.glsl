@@ -9,7 +9,7 @@
 // --- one texture ---------------------------------------------------------------------------------
 
 struct texture_record {
-    uint texels; // index of the first word of four
+    uint texels; // index of the first uvec4 with texels
     ivec2 size;
     uint flags;
     vec3 row_s, row_t;
@@ -34,17 +34,17 @@ uint texture_group(uint flags)
     return flags >> TEXTURE_GROUP_SHIFT & 15u;
 }
 
-// Rounds values that are 0 or at least 2^-14 to 11 bits, as halves have. No value of a code is
-// half-way between two halves.
+// Rounds values that are 0 or at least 2^-14 to the 11 significant bits of halves. No value of a
+// code is half-way between two halves.
 vec4 round_to_half(vec4 x)
 {
     return uintBitsToFloat((floatBitsToUint(x) + 0x1000u) & 0xffffe000u);
 }
 
 // Decodes sRGB (IEC 61966-2-1, 5.3) up to the rounding to halves, from whole codes of 8 bits. The
-// polynomial is a best fit (Remez) not of the curve but of the halves of the codes from 11 on, in
-// units of their distances: before rounding it is nearer to the code's half than to any other by
-// 2.2e-6 of its value even if each of its operations is off by one ulp. So all devices get the
+// polynomial is a best fit (Remez) of the halves of the codes from 11 on, with errors in units of
+// the distance between halves. Before rounding, it is nearer to the code's half than to any other
+// half by 2.2e-6 of its value, even if each operation is off by one ulp. So all devices get the
 // bits of image_srgb_to_linear(), rounded. tests/kernels/test_texture_codes.c derives the bound.
 vec3 decode_srgb(vec3 code)
 {
@@ -67,7 +67,7 @@ float round_any_to_half(float x)
     return x < exp2(-14.0) ? roundEven(x * exp2(24.0)) * exp2(-24.0) : coarse;
 }
 
-// The value of a texel's codes; the host has the same in texture_image.values.
+// Returns the value of a texel's codes. On the host, texture_image.values has the same values.
 vec4 decode_codes(texture_record t, uint codes)
 {
     vec4 code = vec4(uvec4(codes, codes >> 8u, codes >> 16u, codes >> 24u) & 255u);
@@ -80,7 +80,7 @@ vec4 decode_codes(texture_record t, uint codes)
     return value;
 }
 
-// A word of four holds four texels of codes, or one of floats.
+// Returns the texel at `place`. A uvec4 holds four texels of codes, or one texel of floats.
 vec4 load_texel(texture_record t, ivec2 place)
 {
     uint index = uint(place.y) * uint(t.size.x) + uint(place.x);
@@ -116,7 +116,7 @@ int wrap_texel(int i, int size, uint mode)
     return clamp(i, 0, size - 1);
 }
 
-// Bilinear interpolation between the centres of texels, or the value of the nearest texel.
+// Interpolates bilinearly between the centres of texels, or returns the nearest texel.
 vec4 filter_texture(texture_record t, vec2 uv0, vec2 uv1)
 {
     vec2 uv = (t.flags & TEXTURE_UV1) != 0u ? uv1 : uv0;
@@ -139,7 +139,7 @@ vec4 filter_texture(texture_record t, vec2 uv0, vec2 uv1)
     return mix(top, bottom, f.y);
 }
 
-// index: the texture's index in the scene.
+// Returns the value of the texture with this index in the scene.
 vec4 sample_texture(uint index, vec2 uv0, vec2 uv1)
 {
     return filter_texture(load_texture(textures_begin() + index * TEXTURE_WORDS), uv0, uv1);

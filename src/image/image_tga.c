@@ -22,12 +22,12 @@ enum {
 struct tga_file {
     const uint8_t *data;
     size_t size, at;
-    char *buffer;    // where the library collects small reads; its first request fills it
+    char *buffer;    // the library's buffer for small reads, which its first request fills
     bool ends_early; // the library wanted more bytes than the file has
 };
 
-// Copies the next bytes. The library takes missing bytes for zeros, so this notices them: requests
-// for the library's buffer may be answered in part, all others ask for exactly what is needed.
+// Copies the next bytes. The library takes missing bytes for zeros, so this function notices them.
+// Only requests for the library's buffer may ask for more bytes than are needed.
 static int read_bytes(void *context, char *out, int size)
 {
     struct tga_file *file = context;
@@ -114,7 +114,7 @@ bool image_tga_read(const struct image_source *source, struct arena *arena, stru
 {
     if (!image_is_tga(source->data, source->size))
         return err_set(err, ERR_INPUT, "TGA: the header is damaged");
-    // The library ignores both.
+    // The library ignores the order of pixels and the first index of the palette.
     if (source->data[DESCRIPTOR] & RIGHT_TO_LEFT)
         return err_set(err, ERR_INPUT,
                        "TGA: rows are stored from right to left; expected left to right");

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests --integrator auto: its choice, and that the picture is that of the integrator that it names.
+"""Tests which integrator --integrator auto chooses, and that the picture is that of this integrator.
 
 Usage: test_auto.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """

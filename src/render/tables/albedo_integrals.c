@@ -41,7 +41,7 @@ static double fresnel(double cos_i, double eta)
 struct visible_normals {
     uint32_t count;
     double weight[ROWS_MAX * COLUMNS_MAX];
-    double cosine[ROWS_MAX * COLUMNS_MAX]; // wo.h
+    double cosine[ROWS_MAX * COLUMNS_MAX]; // cosine of the angle between wo and the normal h
 };
 
 // Computes the quadrature. phi is the azimuth of wo. If alpha_x = alpha_y and phi = 0, half of the

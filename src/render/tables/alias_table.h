@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 struct alias_bin {
-    float threshold; // uniform numbers below it select the bin itself, others its alias
+    float threshold; // uniform numbers below the threshold select the bin, others its alias
     uint32_t alias;
 };
 

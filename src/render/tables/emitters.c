@@ -96,10 +96,10 @@ static bool list_triangles(const struct shading_tables_params *p, struct emitter
     return ok;
 }
 
-// Returns the luminance up to which shadow rays leave the environment's image to scattered rays.
-// This is the image's mean (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019) if MIS
-// weights both strategies and scattered rays may find the image from every surface that reflects
-// it; otherwise 0.
+// Returns the luminance above which shadow rays sample the environment's image. Scattered rays find
+// the rest. The luminance is the image's mean (MIS compensation: Karlik, Sik, Vevoda, Skrivan,
+// Krivanek 2019) if MIS weights both strategies and scattered rays may find the image from every
+// surface that reflects it. Otherwise it is 0.
 static double environment_floor(const struct scene *scene)
 {
     const struct settings *settings = &scene->settings;
@@ -559,9 +559,9 @@ static bool build_tree(const struct shading_tables_params *p, const struct emitt
     return ok;
 }
 
-// The length of shadow rays to infinitely far emitters in scenes with infinite planes: if the sun
-// is low, the shadow of an object on a plane extends beyond all bounds. The length is the largest
-// extent of a scene, see geometry_prepare(), so that products in kernels remain finite.
+// The length of shadow rays to infinitely far emitters in scenes with infinite planes. It must be
+// large, because the shadow of an object under a low sun extends far over a plane. It is the
+// largest extent of a scene, see geometry_prepare(), so that products in kernels remain finite.
 #define PLANES_REACH 4e9
 
 static void note_unconnected(const struct scene *scene, const struct flat_scene *flat)

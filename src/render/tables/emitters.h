@@ -26,15 +26,15 @@ struct emitter_counts emitters_count(const struct scene *scene, const struct fla
 uint64_t emitters_total(const struct emitter_counts *counts);
 
 struct emitters {
-    void *data; // see struct gpu_emitter and struct gpu_light_tree
+    void *data; // records for kernels: see struct gpu_emitter and struct gpu_light_tree
     uint64_t bytes;
     uint32_t count;           // 0: there are no emitters to aim at
     uint32_t *primitives;     // primitive word of each emitter: triangles, shapes, lights,
                               // environment
     uint32_t surface_count;   // number of emitters that are triangles or shapes; these come first
-    struct gpu_light *lights; // scene->light_count
+    struct gpu_light *lights; // scene->light_count records
     float environment_pick;   // selection probability of the environment's image
-    float environment_floor;  // luminance; shadow rays sample only the image's radiance above it
+    float environment_floor;  // luminance; shadow rays sample only the image's part above it
     float reach;              // length of shadow rays to infinitely far emitters
     double total_power;       // see emitter_power.h; set if emitters are selected by power
     double build_seconds;     // time to build the light tree

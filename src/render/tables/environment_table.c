@@ -171,7 +171,7 @@ static double texel_weight(const struct build *b, const float texel[3])
 }
 
 // Computes the mean weight of each bin of a row. In a cell the weight is bilinear, so its mean is
-// that of the four corners.
+// the mean of the weights at the four corners.
 static void weigh(const struct build *b, size_t row, double *weights)
 {
     uint32_t width = b->image.width;

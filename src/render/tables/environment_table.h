@@ -37,7 +37,7 @@ struct environment_table {
                                            // texel
     uint32_t filter;                       // ENVIRONMENT_FILTER_*
     bool is_sampled;
-    float floor; // only luminance above this is sampled; 0: all of it
+    float floor; // only luminance above the floor is sampled; 0: all luminance
 };
 
 // Returns the length of the buffer in uvec4 words.

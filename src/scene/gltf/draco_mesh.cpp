@@ -24,7 +24,7 @@ struct draco_mesh *draco_mesh_open(const void *data, size_t size, char *message,
             return new draco_mesh{std::move(decoded).value()};
         snprintf(message, message_size, "%s", decoded.status().error_msg());
     } catch (const std::exception &) {
-        // The library allocates what the data claim.
+        // The library allocates as much memory as the data ask for, so it may run out of memory.
     }
     return nullptr;
 }

@@ -1,4 +1,4 @@
-// Decodes a mesh compressed by Draco, in C. The library is C++ only.
+// Decodes a mesh compressed by Draco. This is an interface in C to the library, which is in C++.
 #ifndef LAMPYRIS_SCENE_GLTF_DRACO_MESH_H
 #define LAMPYRIS_SCENE_GLTF_DRACO_MESH_H
 

@@ -1,6 +1,6 @@
-// KHR_draco_mesh_compression: primitives whose vertices and triangles are compressed together. All
-// are decoded when the document is opened, into the layout that their accessors describe; the
-// loader then reads these accessors like any others.
+// Decodes primitives whose vertices and triangles are compressed together
+// (KHR_draco_mesh_compression). All such primitives are decoded when the document is opened, into
+// the layout that their accessors describe. The loader then reads these accessors like any others.
 #include "scene/gltf/draco_mesh.h"
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_buffer.h"
@@ -188,7 +188,7 @@ bool gltf_draco_decode(struct gltf_document *document, struct err *err)
             return false;
         for (size_t k = 0; k < json_array_size(primitives.value); k++) {
             const struct json_node primitive = node_element(&primitives, k);
-            // The loader of meshes reports other things than objects.
+            // The loader of meshes reports primitives that are not objects.
             if (json_is_object(primitive.value) && !decode_primitive(document, &primitive, err))
                 return false;
         }
