@@ -288,8 +288,8 @@ vec3 textured_emission(material m, surface s)
 
 // Bends the shading normal so that the surface could reflect: the mirror direction r of wo must be
 // on the same side of the geometric normal ng as wo. Interpolated normals and normal maps may
-// violate this; reflected light would be lost, and a normal that faces away has no hemisphere at
-// all.
+// violate this. Reflected light would then be lost, and a normal that faces away from wo has no
+// visible hemisphere.
 //
 // The bent normal is the half vector of wo and of r raised to the horizon (Keller et al. 2017, "The
 // Iray Light Transport Simulation and Rendering System", appendix A.3, with the projection along ng
@@ -297,12 +297,11 @@ vec3 textured_emission(material m, surface s)
 // dot(h, ng) = low >= 0 and dot(wo, ng) > 0, then n = normalize(wo + h) has
 //   dot(n, wo) = (1 + dot(h, wo)) / |wo + h| > 0, since h = -wo would be below the surface;
 //   dot(n, ng) = (low + dot(wo, ng)) / |wo + h| > 0;
-//   and h as its mirror direction, above the surface.
+//   and its mirror direction is h, which is above the surface.
 // This holds in single precision, too: an error e of the sum turns n by e / |wo + h| and its mirror
 // direction by twice that, where |wo + h| >= dot(wo + h, ng) >= 2 low. So low^2 = e is sufficient,
 // and e is less than 32 roundings. `low` is never greater than for the mirror direction of ng
-// itself (as in Cycles' ensure_valid_specular_reflection()), so ng is never bent, and is the result
-// for a viewer as low as that.
+// itself (as in Cycles' ensure_valid_specular_reflection()), so ng is never bent.
 // No energy is gained: BSDFs reflect at most 1 about any normal that faces wo, and directions below
 // the surface are rejected.
 vec3 bend_normal(vec3 ns, vec3 ng, vec3 wo)

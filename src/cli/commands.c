@@ -40,8 +40,8 @@ const struct command commands[COMMAND_TOTAL] = {
                 "refused if its scene, settings, seed, version, device or driver differ from those "
                 "of the first, if it has samples that another part has, or if it is damaged. "
                 "Missing samples are listed with the commands that render them. With --status, "
-                "only the headers of the parts are read: it is fast, but does not find damage of "
-                "their films, which a merge does. The scene is read "
+                "only the headers of the parts are read. This is fast, but only a merge finds "
+                "damage of their films. The scene is read "
                 "again, so run merge in the working directory of the shards. With --checkpoint, "
                 "the sum is written as a part, which can be merged with others; without -o this "
                 "needs neither the scene nor a device.",

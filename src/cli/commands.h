@@ -26,8 +26,8 @@ struct command {
     const char *arguments;   // "SCENE", for the usage line
     const char *description; // description for the help, in sentences
     const char *examples;    // one per line
-    // What exit codes mean for this command, from EXIT_CODE_OK to EXIT_CODE_OUTPUT; NULL: what they
-    // mean for all; "": the command does not return that code.
+    // Meanings of the exit codes from EXIT_CODE_OK to EXIT_CODE_OUTPUT for this command. NULL: the
+    // code has the meaning that it has for all commands; "": the command does not return the code.
     const char *exits[EXIT_CODE_OUTPUT + 1];
     uint32_t min_arguments, max_arguments;
 };

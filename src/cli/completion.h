@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 // A completion script for `program`. The command line of lampyris-view does not begin with the name
-// of a command; `only` is then its command. Options for tests are left out.
+// of a command, so `only` names the command. Options for tests are left out.
 struct completion {
     FILE *out;
     const struct command *only; // the command that the program runs; NULL: the first argument names
@@ -28,7 +28,8 @@ struct completion_value {
 
 struct completion_value completion_value(const struct option_def *def);
 
-// Returns whether the script has the option for the command. NULL: for all commands.
+// Returns whether the script has the option for the command or, if `command` is NULL, for all
+// commands.
 bool completion_has(const struct option_def *def, const struct command *command);
 
 // Returns a line that describes the option.

@@ -299,7 +299,7 @@ static bool check_without_sequence(const struct options *options, struct err *er
     return true;
 }
 
-// Returns whether an option of check applies to a scene.
+// Returns whether an option can only be used with `check SCENE`.
 static bool needs_scene(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {
@@ -401,9 +401,9 @@ char *options_quote(const char *word, char *out)
     return put(out, "'");
 }
 
-// Options that belong to a single run: they end it, or report something in addition to the image. A
-// command that follows one of its paths keeps only the first of them (--error). A command that
-// repeats the image keeps only --crop and those that follow it.
+// Options that belong to a single run. They end the run, or report something in addition to the
+// image. A command that follows a path of the run keeps only the first option of this list
+// (--error). A command that repeats the image keeps only --crop and the options after --crop.
 static const enum option_id passing[] = {OPTION_ERROR,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
                                          OPTION_RESUME, OPTION_TRACE,      OPTION_REFERENCE,
                                          OPTION_TEV,    OPTION_EXPLAIN,    OPTION_ERROR_BY,

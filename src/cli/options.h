@@ -173,7 +173,7 @@ enum option_type {
 };
 
 struct option_def {
-    const char *name;     // without the dashes
+    const char *name;     // long name, without the dashes
     char short_name;      // 0: none
     const char *argument; // name of the value in the help; NULL for a flag and for a setting
     enum option_type type;
@@ -182,7 +182,7 @@ struct option_def {
     const char *help;     // sentences, with units
     const char *group;    // heading in the help
     unsigned commands;    // bit 1 << enum command_id for each command that takes it
-    unsigned common;      // those of `commands` whose --help lists the option; 0 for settings
+    unsigned common;      // bits of the commands whose --help lists the option; 0 for settings
     const char *brief;    // the option's line in --help; for settings, `setting` has it
     bool is_for_tests;    // the option is only in manual pages and tests/README.md, not in the help
     size_t offset, size;  // offset and size of the member in struct options
@@ -324,18 +324,18 @@ struct submit_options {
 
 struct view_options {
     const char *script; // file; NULL: none
-    bool headless;      // without a window
+    bool headless;      // the viewer has no window
     bool watch;         // reload changed files
     bool vsync;
     double frame_ms;     // target for the time of a frame, in milliseconds
     bool denoise;        // denoise the displayed image
-    const char *shaders; // folder of the shaders' source code; NULL: that of the build
+    const char *shaders; // folder of the shaders' source code; NULL: the folder of the build
 };
 
 // The options of all commands. A command uses the common members and its own; other members have
 // their defaults.
 struct options {
-    int argc; // as passed to main, for commands that reproduce a run
+    int argc; // main's arguments, for commands that reproduce a run
     char **argv;
     const struct command *command; // NULL only with --help or --version
     int command_index;             // index of the command's name in argv

@@ -1,5 +1,5 @@
-// Draws progress on stderr, and keeps messages and the bar apart. On a terminal it is one line,
-// with the elapsed and the remaining time:
+// Draws the progress on stderr, and keeps messages apart from it. On a terminal, the progress is
+// one line, with the elapsed and the remaining time:
 //
 //   Rendering: [++++++++++++                  ]  41% (12.3 s | 17.7 s)
 //
@@ -21,7 +21,7 @@ struct progress_bar {
     bool is_terminal, is_quiet;
     struct mutex mutex; // protects the stream and the members below: messages come from any thread
     bool line_open;     // the bar is on the terminal's current line
-    bool shown;         // this phase has been shown
+    bool shown;         // the current phase has been shown
     char phase[32];
     uint64_t phase_start_ns, shown_ns;
     // Start of the phase, or the last time at which the fraction decreased: the remaining time is

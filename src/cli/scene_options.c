@@ -84,7 +84,7 @@ struct scene_load_params options_scene_params(const struct scene_options *option
     };
 }
 
-// Makes all materials isotropic, and changes the scene's hash, because it is now another scene.
+// Makes all materials isotropic, and changes the hash, because the scene is now another one.
 static void make_isotropic(struct scene *scene)
 {
     static const char what[] = "isotropic";

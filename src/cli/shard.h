@@ -8,8 +8,8 @@
 struct options;
 
 // Parses I/N, FIRST:END, auto or auto/N. For auto, I and N are taken from the environment variables
-// of Slurm, mpirun (Open MPI and MPICH) or Kubernetes; auto/N gives N. Fails with ERR_USAGE if the
-// text is invalid, or if the variables do not determine I and N.
+// of Slurm, mpirun (Open MPI and MPICH) or Kubernetes. With auto/N, the text contains N. Fails with
+// ERR_USAGE if the text is invalid, or if the variables do not determine I and N.
 bool shard_parse(const char *text, struct job_shard *out, struct err *err);
 
 // If --shard was given, sets options->render.shard and the name of the part. The name is the FILE

@@ -324,7 +324,7 @@ bool job_open_blocks(struct job *job, struct err *err)
         return false;
     const uint64_t before = count_samples(&job->held);
     list_files(path, &saved->arena, &firsts);
-    if (firsts.count > 0) // that of rank 0 first
+    if (firsts.count > 0) // the file of rank 0 comes first
         qsort(firsts.list, firsts.count, sizeof *firsts.list, compare_firsts);
     for (uint32_t i = 0; i < firsts.count; i++) {
         struct arena arena = {0};

@@ -217,7 +217,7 @@ static bool choose_by_pilot(struct job *job, struct err *err)
                   err);
 }
 
-// --- all of it -----------------------------------------------------------------------------------
+// --- the choice ----------------------------------------------------------------------------------
 
 static bool check_support(const struct job *job, struct err *err)
 {

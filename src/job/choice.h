@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// What a pilot by one of the integrators measured.
+// The measurements of the pilot by one of the two integrators.
 struct choice_trial {
     double error; // local relMSE
     double rays;

@@ -268,7 +268,7 @@ static bool gather(struct job *job, struct err *err)
     job->has_samples = true;
     job->first_held = job->samples_first;
     arena_finish(&arena);
-    // While saved blocks are filled, their caller knows what the film has.
+    // While saved blocks are completed, blocks.c records the samples of the film.
     return ok && (job->saved.end > 0 ||
                   job_hold_only(job, &(struct sample_range){job->samples_first, next}, err));
 }

@@ -23,9 +23,9 @@ struct bright_path {
     uint32_t emitter;   // number of the emitter's class in ERROR_BY_EMITTER
     bool is_connection; // found by a shadow ray; otherwise by a ray that hit the emitter
     float radiance[3];  // the contribution as it was added to the radiance of its sample
-    // How far the contribution x exceeds the pixel's mean M, relative to the brightness L around
-    // the pixel: the square root of the mean over channels of (x - M)^2 / (L^2 + 1e-2), for x above
-    // M.
+    // The excess of the contribution x over the pixel's mean M, relative to the brightness L around
+    // the pixel. It is the square root of the mean over channels of (x - M)^2 / (L^2 + 1e-2), to
+    // which only channels with x above M contribute.
     double excess;
     double share; // fraction of the picture's error that is in this pixel; NAN if the picture has
                   // no error

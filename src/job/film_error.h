@@ -14,7 +14,7 @@ struct film_error_params {
     // samples.
     bool is_contiguous;
     uint64_t planned;
-    bool lacks_light; // the light of light paths of rows that were not rendered is missing
+    bool lacks_light; // some light is missing, because only some rows have started light paths
     struct unseen_light unseen;
 };
 
@@ -39,7 +39,7 @@ struct film_image film_rows_alone(const struct film_image *film);
 // dark that the constant in the local relMSE reduces their relative error to less than a thirtieth.
 bool film_error_is_blind(const struct film_image *film);
 
-// Returns an error that is not known, with the reason.
+// Returns the value for an unknown error, with the reason why the error is unknown.
 struct half_error film_error_none(const char *reason);
 
 // Returns whether there is an estimate without an interval or bound.

@@ -115,8 +115,8 @@ struct job_params {
     // Other devices or processes that take part in the render; only for goals with an error, a time
     // or a number of samples. NULL: none.
     struct crew *crew;
-    // With INTEGRATOR_AUTO, chooses the integrator and sets it in the scene's settings. Otherwise
-    // INTEGRATOR_AUTO is INTEGRATOR_PATH.
+    // With INTEGRATOR_AUTO, the job chooses the integrator and sets it in the scene's settings. If
+    // this is false, INTEGRATOR_AUTO means INTEGRATOR_PATH.
     bool chooses_integrator;
     const char *command;               // command line to store in checkpoints; NULL: none
     const struct reference *reference; // must have the image's size and outlive the job; NULL: none
@@ -204,7 +204,7 @@ struct job_rescue {
     bool is_too_large;        // the copy exceeds its share of the memory budget, which was reported
     struct film_copy records; // data from which rendering can be resumed; owned by `arena`
     bool has_records;
-    uint32_t reopened; // how often the device was reopened
+    uint32_t reopened; // number of times that the device was reopened
 };
 
 // A range of samples that a crew renders before the film is needed again.
@@ -229,14 +229,14 @@ struct job {
     struct scene *scene;
     struct gpu *gpu;
     struct renderer renderer;
-    struct geometry geometry; // of the renderer, if a choice of the integrator needed it
+    struct geometry geometry; // the renderer's geometry, if the choice of the integrator needed it
     struct integrator_choice choice;
     struct progress progress; // passed to the renderer; reports to params.progress, with the
                               // elapsed fraction of the time limit
     struct arena arena;
 
-    // The number of samples depends on a time limit or on the errors of tiles. This is the state at
-    // the beginning, when the samples were planned.
+    // When the samples were planned, their number depended on a time limit or on the errors of
+    // tiles.
     bool is_open_ended;
     bool is_rendering; // job_run() has rendered its first sample
     bool stopped;      // stopped before the goal was reached; some pixels may have fewer samples
@@ -280,10 +280,10 @@ struct job {
     // State for resuming from a checkpoint or after a failure.
     const char *identity;      // identity of the render in checkpoints
     struct checkpoint resumed; // the checkpoint that is resumed; closed once its state is restored
-    uint64_t checkpoint_ns;    // when the last checkpoint was written or, before the first one,
-                               // when rendering began
-    uint64_t checkpoint_from;  // when adding the crew's films for the next checkpoint began; 0: the
-                               // job has no crew
+    uint64_t checkpoint_ns;    // time at which the last checkpoint was written or, if there is
+                               // none, at which rendering began
+    uint64_t checkpoint_from;  // time at which the job began to add the crew's films for the next
+                               // checkpoint; 0: the job has no crew
     double checkpoint_cost;    // seconds that the last checkpoint took; 0: there is none yet
     bool has_checkpoint;       // there is a file from which this render can continue
     uint64_t next_look;        // samples per pixel at the next interim test

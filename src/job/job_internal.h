@@ -7,7 +7,7 @@
 // The words of the note that a job stores in a checkpoint.
 enum job_note {
     JOB_NOTE_ERROR,     // goal.error for which the next interim test was planned, as a double
-    JOB_NOTE_NEXT_LOOK, // see struct job
+    JOB_NOTE_NEXT_LOOK, // next_look of struct job
     JOB_NOTE_SAMPLES,   // planned samples per pixel; for a shard, those of the whole render
     JOB_NOTE_AOVS,      // AOV_* of the renderer's device
 };

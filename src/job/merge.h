@@ -22,12 +22,12 @@ struct merge_params {
 struct merge_part {
     const char *path, *command;
     struct sample_ranges samples; // samples, or rows, that the part has
-    struct sample_ranges wanted;  // those that it will have when its shard has finished
+    struct sample_ranges wanted;  // samples, or rows, that the finished part will have
     uint64_t planned;             // samples per pixel of the whole render
     uint64_t film_at;             // offset of its film in the whole film, in bytes
     uint32_t device;              // index into merge.devices
     uint64_t head_hash;           // identifies the file: the hash of the data before its film
-    bool is_left_out;             // its film is not added
+    bool is_left_out;             // the part's film is not added
 };
 
 // The picture's mean luminance as rendered by one device, with its standard error. It is computed
@@ -62,9 +62,9 @@ struct merge {
     struct job_merged merged;
 };
 
-// Reads the data before the films, and checks that the parts belong together. Fails with ERR_INPUT,
-// which names the first file that does not belong to the others, is not a part, is unfinished
-// within a pass, or is damaged. The caller must call merge_finish() in any case.
+// Reads the data before the films, and checks that the parts belong together. Fails with ERR_INPUT
+// if a file does not belong to the others, is not a part, is unfinished within a pass, or is
+// damaged; the message names the first such file. The caller must call merge_finish() in any case.
 bool merge_open(const struct merge_params *params, struct merge *out, struct err *err);
 // Reads the films and adds them. One film is in memory at a time, two with several devices. Damaged
 // files are logged as errors; after all files were read, it fails with ERR_INPUT.

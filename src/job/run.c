@@ -218,8 +218,8 @@ static bool render_frames(struct job *job, struct err *err)
 
 // --- all of it -----------------------------------------------------------------------------------
 
-// Finds the data that estimates need now, while the device works, so that the error of a rescued
-// film can be estimated, too.
+// Computes the data for error estimates before rendering, while the device works, so that the error
+// of a rescued film can be estimated, too.
 static bool prepare(struct job *job, struct err *err)
 {
     struct err failure = {0};

@@ -132,7 +132,7 @@ bool render_check_space(const struct render_run *run, struct err *err)
 
 // --- writing -------------------------------------------------------------------------------------
 
-// How an image is stored.
+// The format in which the pixels of an image are stored.
 struct storage {
     bool half_float, uncompressed;
 };

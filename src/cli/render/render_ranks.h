@@ -9,7 +9,7 @@
 // The data that each rank sends to rank 0 before rendering.
 struct rank_card {
     char device[256], driver[512];
-    uint64_t hash; // of the command line, the scene and the kernels; must be the same for all ranks
+    uint64_t hash; // hash of the command line, the scene and the kernels; equal on all ranks
     uint8_t memory_id[16]; // see struct gpu_device_info
 };
 

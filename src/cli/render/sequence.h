@@ -23,7 +23,7 @@ struct sequence_video {
 };
 
 struct sequence {
-    struct options options; // as for a render of the current picture alone
+    struct options options; // the options for a render of the current picture alone
     struct render_run run;
     struct sequence_progress shown;
     struct progress progress;

@@ -1,4 +1,4 @@
-// What the pictures of a sequence show: times of an animation, or views of a turntable.
+// Computes the times of the pictures of an animation, or the views of a turntable.
 #ifndef LAMPYRIS_CLI_RENDER_SEQUENCE_PLAN_H
 #define LAMPYRIS_CLI_RENDER_SEQUENCE_PLAN_H
 

@@ -470,8 +470,8 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
     return true;
 }
 
-// The probability of selecting an infinitely far emitter, if the scene also has others. It is 1/2,
-// because it is not known which group matters more.
+// The probability of selecting an infinitely far emitter, if the scene also has emitters at finite
+// distances. It is 1/2, because it is not known which of the two groups matters more.
 #define INFINITE_SHARE 0.5
 
 // Writes the buffer: header, pairs of nodes, trails, bins, lamps. If no emitter has power, the tree
