@@ -35,7 +35,7 @@ bool job_hold(struct job *job, const struct sample_range *block, struct err *err
         last->end = block->end;
         return true;
     }
-    if (last && last->end > block->first) { // blocks between saved ones
+    if (last && last->end > block->first) { // the block is between saved blocks
         const struct sample_ranges one = {&(struct sample_range){block->first, block->end}, 1};
         if (!samples_join(held, &one, &job->arena, &joined, err))
             return false;
@@ -272,7 +272,7 @@ static bool check_blocks(struct job *job, const struct checkpoint *c, struct are
         return false;
     return (c->film_bytes == film_copy_bytes(r) && c->tile_count == 0 &&
             c->block_bytes % (16 * AOV_FILM_WORDS(r->specialization.aovs)) == 0) ||
-           err_set(err, ERR_INPUT, "%s: its film is not one of this render", c->path);
+           err_set(err, ERR_INPUT, "%s: its film does not belong to this render", c->path);
 }
 
 // Adds one file, if it has samples that the film lacks.

@@ -65,9 +65,9 @@ bool job_check_crew(const struct job *job, struct err *err)
 }
 
 // Returns the samples of a member's next block. Blocks become shorter towards the end (guided
-// self-scheduling, Polychronopoulos and Kuck 1987): each is half of an equal share of the
-// remaining samples. It takes at most BLOCK_SECONDS, unless a full wave takes longer: it has at
-// least the samples of one, but no more than an equal share.
+// self-scheduling, Polychronopoulos and Kuck 1987). A block is half of an equal share of the
+// remaining samples, or as much of it as takes BLOCK_SECONDS. But it has at least the samples of a
+// full wave, or an equal share if that is less.
 static uint64_t block_samples(const struct job *job, const struct crew_member *member)
 {
     const struct crew_deal *deal = &job->deal;
@@ -107,9 +107,9 @@ static bool is_late(const struct job *job)
     return (limit > 0.0 && elapsed >= limit) || job_checkpoint_wait(job) <= 0.0;
 }
 
-// Returns whether another block may be assigned: not if the job is to stop, the time is over or a
-// checkpoint is due. But the first block is always assigned, and unless the job is to stop, as many
-// blocks as there are members.
+// Returns whether another block may be assigned. No more blocks are assigned if the job is to stop,
+// the time is over or a checkpoint is due. But the first block is always assigned, and unless the
+// job is to stop, at least as many blocks as there are members.
 static bool may_deal(struct job *job)
 {
     struct crew_deal *deal = &job->deal;
@@ -119,7 +119,7 @@ static bool may_deal(struct job *job)
     return !deal->is_closed && deal->next < deal->end;
 }
 
-// Gives one block to each worker that has fewer than `most`.
+// Gives one block to each worker that has fewer than `most` blocks.
 static bool give_blocks(struct job *job, uint32_t most, struct err *err)
 {
     struct crew *crew = job->params.crew;
@@ -143,7 +143,7 @@ static void note_block(struct job *job, struct crew_member *member, uint64_t sam
     job->deal.done += samples;
 }
 
-// Records the blocks that workers have finished. With `waits`, waits until there is one.
+// Records the blocks that workers have finished. With `waits`, waits for at least one such block.
 static bool collect(struct job *job, bool waits, struct err *err)
 {
     struct crew *crew = job->params.crew;

@@ -38,8 +38,8 @@ static bool after_wave(void *context, struct err *err)
 {
     struct job *job = context;
     const struct job_listener *listener = &job->params.listener;
-    // With a crew, the job's film may lack samples that other members have, so no checkpoint or copy
-    // of the film is made after a wave.
+    // With a crew, the job's film may lack samples that other members have, so no checkpoint or
+    // copy of the film is made after a wave.
     if (job->params.crew && job->is_rendering)
         return job_attend_crew(job, err);
     return (!job->is_rendering ||
