@@ -12,7 +12,7 @@ struct help_writer {
 };
 
 void help_section(const struct help_writer *writer, const char *title); // such as "OPTIONS"
-void help_group(const struct help_writer *writer, const char *title);   // inside a section
+void help_group(const struct help_writer *writer, const char *title);   // a part of a section
 void help_paragraph(const struct help_writer *writer, const char *text);
 // Writes a term and its description. `names` is bold, `argument` (NULL: none) in italics.
 void help_item(const struct help_writer *writer, const char *names, const char *argument,

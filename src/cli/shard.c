@@ -9,7 +9,7 @@
 
 // --- environment variables -----------------------------------------------------------------------
 
-// The index of this process among those of the same render, and their number.
+// The index of this process among the processes of the render, and the number of processes.
 struct place {
     uint64_t index, count; // index from 0; count 0: not known
 };

@@ -56,7 +56,7 @@ struct job_checkpoint_params {
     double seconds;   // greatest interval between two checkpoints
     bool resume;      // resume from the file at `path` if it exists; if false, the file must not
                       // exist
-    bool is_paced;    // shorter intervals, if the checkpoints then take a small part of the time
+    bool is_paced;    // intervals are shorter if checkpoints then take a small part of the time
     bool keeps_blocks; // for a rank of a crew: saves its samples after each of its blocks
 };
 
@@ -360,8 +360,8 @@ double job_elapsed(const struct job *job); // rendering time since the beginning
 // See renderer_set_camera(). The film is restarted.
 bool job_set_camera(struct job *job, const struct camera *camera, uint32_t width, uint32_t height,
                     bool *fits, struct err *err);
-// Begins the next picture of a sequence: like job_set_camera() with the same size. The records of
-// the former picture are discarded, and the next job_run() is that of a new job.
+// Begins the next picture of a sequence. Sets the camera as job_set_camera() does, with the same
+// size. Discards the records of the former picture, so the next job_run() begins as in a new job.
 bool job_begin_view(struct job *job, const struct camera *camera, bool *fits, struct err *err);
 // See renderer_clear(). The film is restarted with samples that it did not have before.
 bool job_clear(struct job *job, struct err *err);

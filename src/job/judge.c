@@ -175,8 +175,8 @@ static size_t list_looks(const struct job *job, struct forecast_look *out, size_
     return count;
 }
 
-// Returns whether the forecast uses the bound: that of contiguous halves decreases as fast as the
-// error.
+// Returns whether the forecast uses the bound in place of the error. The bound of contiguous halves
+// decreases as fast as the error.
 static bool goes_by_bound(const struct job *job)
 {
     return job->error.bounded && halves_are_contiguous(&job->renderer);

@@ -51,8 +51,8 @@ static bool is_finished(const struct film_copy *film, uint64_t steps)
     return film->next_sample == steps && film->pass.position == 0;
 }
 
-// Finds the samples that a part holds: all that were planned for it, unless the shard was stopped
-// before it finished. An unfinished part by tiles counts as empty.
+// Finds the samples that a part holds. A finished shard has all samples that were planned for it.
+// An unfinished part by tiles counts as empty.
 static bool find_samples(const struct checkpoint *c, const struct merge *merge, struct arena *arena,
                          struct merge_part *part, struct err *err)
 {

@@ -170,7 +170,8 @@ static bool begin_anew(struct job *job, struct err *err)
     return job_rescue_begin(job, err);
 }
 
-// Empties the film first, unless the frame continues the previous one or was begun already.
+// Renders one frame. First empties the film, unless the frame adds to the frames before it, or an
+// earlier run has begun it.
 static bool render_frame(struct job *job, uint32_t frame, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;

@@ -1,5 +1,5 @@
-// Shards: a render of some of the samples, or of some rows, of a picture that several processes
-// share. Also the render that writes the picture of the film that merge made.
+// Shards, each of which renders some of the samples, or some rows, of a picture that several
+// processes share. This file also prepares the job that writes the picture of a merged film.
 #include "job/job_internal.h"
 
 #include "base/log.h"

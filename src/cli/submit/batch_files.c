@@ -10,8 +10,8 @@
 // The second line of both files. A file without this line is not replaced.
 #define MARK "# Written by lampyris submit."
 
-// The head of a batch file. If an option is given twice, Slurm uses the last one, so those of
-// --slurm come last.
+// The head of a batch file. If an option is given twice, Slurm uses its last value, so the options
+// of --slurm come last.
 #define HEAD                                                                                       \
     "#!/bin/sh\n" MARK "\n"                                                                        \
     "#SBATCH --job-name=%s\n"                                                                      \

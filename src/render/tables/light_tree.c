@@ -27,7 +27,7 @@
 struct layer {
     const struct light_bounds *bounds;
     uint32_t *order; // indices of the items; a subtree is a range of them
-    uint32_t below;  // maximum number of levels that one item needs below it
+    uint32_t below;  // maximum number of levels of the tree below an item
 };
 
 struct builder {
