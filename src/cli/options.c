@@ -140,7 +140,7 @@ static bool parse_argument(struct parser *parser, const char *text, struct err *
         return options->command != NULL;
     }
     if (options->argument_count >= options->command->max_arguments)
-        return err_set(err, ERR_USAGE, "unexpected argument \"%s\": expected %s%s%s", text,
+        return err_set(err, ERR_USAGE, "unexpected argument \"%s\"; expected %s%s%s", text,
                        options->command->name, *options->command->arguments ? " " : "",
                        options->command->arguments);
     options->arguments[options->argument_count++] = text;
@@ -269,7 +269,7 @@ static bool check_sequence(const struct options *options, struct err *err)
     if (options_given(options, OPTION_SHARD))
         return err_set(err, ERR_USAGE,
                        "%s and --shard exclude each other: a shard is a part of one picture, but "
-                       "%s renders several: expected %s",
+                       "%s renders several; expected %s",
                        name, name,
                        sequence->views > 0 ? "no --shard, or no --turntable"
                                            : "no --shard, but a range of times for each process");
@@ -340,7 +340,7 @@ static bool check(const struct options *options, struct err *err)
     if (!command)
         return err_set(err, ERR_USAGE, "no command given");
     if (options->argument_count < command->min_arguments)
-        return err_set(err, ERR_USAGE, "too few arguments: expected %s %s", command->name,
+        return err_set(err, ERR_USAGE, "too few arguments; expected %s %s", command->name,
                        command->arguments);
     if (!check_combinations(options, err) || !check_crop(options, err) ||
         !(options_have_sequence(options) ? check_sequence(options, err)

@@ -28,7 +28,7 @@ static bool choose_camera(const struct scene_options *options, const struct scen
         return true;
     }
     return err_set(err, ERR_USAGE,
-                   "--camera %s: no such camera in %s: expected a name or an index below %u",
+                   "--camera %s: no such camera in %s; expected a name or an index below %u",
                    options->camera, scene->path, scene->camera_count);
 }
 

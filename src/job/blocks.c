@@ -347,7 +347,8 @@ bool job_open_blocks(struct job *job, struct err *err)
     saved->end = job->held.count > 0 ? job->held.list[job->held.count - 1].end : 0;
     if (saved->ranges.count > 0 && saved->ranges.list[saved->ranges.count - 1].end > saved->end)
         saved->end = saved->ranges.list[saved->ranges.count - 1].end;
-    log_warn("%s: %" PRIu64 " samples per pixel are added that ranks of a lost run had saved after "
+    log_warn("%s: %" PRIu64
+             " samples per pixel are added, which ranks of a lost run had saved after "
              "the checkpoint",
              path, found);
     return true;

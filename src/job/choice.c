@@ -243,7 +243,7 @@ static bool choose_anew(struct job *job, struct err *err)
     if (found.focus == FOCUS_LOST)
         return choose(job, INTEGRATOR_BIDIR,
                       arena_printf(&job->arena,
-                                   "path cannot find the caustics of delta lights (%u)",
+                                   "path cannot find the caustics of the delta lights (%u)",
                                    found.delta_lights),
                       err);
     if (samples_planned(job) >= WORTH_A_PILOT)

@@ -42,7 +42,7 @@ bool job_checkpoint_open(struct job *job, struct err *err)
         return !is_there(path) ||
                err_set(
                    err, ERR_INPUT,
-                   "%s: exists already: expected --resume, to continue from it, or another name",
+                   "%s: exists already; expected --resume, to continue from it, or another name",
                    path);
     if (!is_there(path)) {
         log_warn("%s: does not exist: rendering begins anew", path);

@@ -28,24 +28,24 @@ bool job_check_divisible(const struct job *job, enum job_division division, stru
     if (goal->adaptive && is_crew) {
         what = "--adaptive on";
         why = "they share the samples of the whole picture, but its tiles have different numbers "
-              "of samples: expected --adaptive off; or one device, or parts by rows, each on a "
+              "of samples; expected --adaptive off, or one device, or parts by rows, each on a "
               "device of its own: --shard I/N --shard-by tiles --device INDEX";
     } else if (goal->adaptive && division == JOB_BY_SAMPLES) {
         what = "--adaptive on";
         why = "its tiles have different numbers of samples, but parts have the same samples of "
-              "all pixels: expected --adaptive off, or --shard-by tiles";
+              "all pixels; expected --adaptive off, or --shard-by tiles";
     } else if (goal->frames) {
         what = "--frames";
-        why = is_crew ? "they share the samples of one picture: expected --spp, or one device"
-                      : "all parts have samples of one picture: expected --spp";
+        why = is_crew ? "they share the samples of one picture; expected --spp, or one device"
+                      : "all parts have samples of one picture; expected --spp";
     } else if (settings->accumulation != ACCUMULATION_BINNED) {
         what = "--accumulation sum or running";
-        why = "these sums depend on the order of samples: expected --accumulation binned";
+        why = "these sums depend on the order of samples; expected --accumulation binned";
     } else if (settings->halves == HALVES_CONTIGUOUS && division != JOB_BY_ROWS) {
         what = "--halves contiguous";
-        why = is_crew ? "every block of samples needs equally many of both halves: expected "
+        why = is_crew ? "every block of samples needs equally many of both halves; expected "
                         "--halves independent, or one device"
-                      : "every part needs equally many samples of both halves: expected --halves "
+                      : "every part needs equally many samples of both halves; expected --halves "
                         "independent";
     }
     return !what ||
@@ -59,15 +59,15 @@ static bool check_goal(const struct job *job, struct err *err)
     if (goal->error > 0.0)
         return err_set(err, ERR_USAGE,
                        "--shard cannot be combined with --error, which is the error of all shards "
-                       "together: expected only --spp; merge reports the error");
+                       "together; expected only --spp, and merge, which reports the error");
     if (goal->seconds > 0.0)
         return err_set(err, ERR_USAGE,
                        "--shard cannot be combined with --time: the samples of a shard must not "
-                       "depend on the clock: expected only --spp");
+                       "depend on the clock; expected only --spp");
     if (job->params.reference && job->params.shard.by_tiles)
         return err_set(err, ERR_USAGE,
                        "--shard-by tiles cannot be combined with --reference, which compares whole "
-                       "pictures: expected merge, and then compare");
+                       "pictures; expected merge, and then compare");
     return job_check_divisible(job, job->params.shard.by_tiles ? JOB_BY_ROWS : JOB_BY_SAMPLES, err);
 }
 

@@ -20,7 +20,7 @@ static bool check_limits(const struct limit *limits, size_t count, struct err *e
     for (size_t i = 0; i < count; i++)
         if (limits[i].is_broken)
             return err_set(err, ERR_INPUT,
-                           "--integrator bidir cannot have %s, because %s: expected %s, or "
+                           "--integrator bidir cannot have %s, because %s; expected %s, or "
                            "--integrator path",
                            limits[i].has, limits[i].why, limits[i].wants);
     return true;
@@ -177,7 +177,7 @@ static bool refuse_lamp(const char *kind, uint32_t number, struct err *err)
     return err_set(
         err, ERR_INPUT,
         "--integrator bidir: a lamp intersects the bounding box of %s %u, which has a medium "
-        "inside: expected lamps outside of such boxes, because light paths begin in air, or "
+        "inside; expected lamps outside of such boxes, because light paths begin in air, or "
         "--integrator path",
         kind, number);
 }
@@ -224,21 +224,21 @@ static bool check_emitters(const struct light_paths_params *p, struct err *err)
         if (p->flat->shapes[i].kind == SHAPE_PLANE)
             return err_set(err, ERR_INPUT,
                            "--integrator bidir: shape %u is an infinite plane, behind which light "
-                           "paths could begin: expected a quad, or --integrator path",
+                           "paths could begin; expected a quad, or --integrator path",
                            p->flat->shapes[i].source);
     for (uint32_t i = 0; i < p->scene->light_count; i++) {
         const struct light *light = &p->scene->lights[i];
         if (!light->hidden && light->kind != LIGHT_DIRECTIONAL && isfinite(light->range))
             return err_set(err, ERR_INPUT,
                            "--integrator bidir: light %u has a range of %g m, but light paths "
-                           "do not end at a distance: expected no range, or "
+                           "do not end at a distance; expected no range, or "
                            "--integrator path",
                            i, (double)light->range);
     }
     return p->flat->small_count == 0 ||
            err_set(err, ERR_INPUT,
                    "--integrator bidir: %u emissive triangles are too small relative to their "
-                   "coordinates for light paths to begin on them: expected larger lamps, or "
+                   "coordinates for light paths to begin on them; expected larger lamps, or "
                    "--integrator path",
                    p->flat->small_count);
 }

@@ -75,7 +75,7 @@ class Auto(unittest.TestCase):
         scene = self.ball({'type': 'dielectric'}, lights=[POINT])
         chosen = self.render(scene)
         self.assertEqual(chosen['integrator']['name'], 'bidir')
-        self.assertRegex(chosen['integrator']['reason'], r'path cannot find the caustics of delta lights \(1\)')
+        self.assertRegex(chosen['integrator']['reason'], r'path cannot find the caustics of the delta lights \(1\)')
         self.assertEqual(chosen['bias'], [])
         self.check_same(chosen, scene)
         refused = self.render(scene, '--clamp', '9')

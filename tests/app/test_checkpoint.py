@@ -182,7 +182,7 @@ class Checkpoints(unittest.TestCase):
         self.reject('--frames', '--frames', '30')
         result = self.run_one('--checkpoint', self.path('c'))
         self.assertEqual(result.returncode, 2)
-        self.assertIn('exists already: expected --resume', result.stderr)
+        self.assertIn('exists already; expected --resume', result.stderr)
 
     def test_damage_is_rejected(self):
         self.render('--spp', '16', *self.checkpoint())

@@ -170,10 +170,10 @@ TEST(usage_errors_say_what_was_expected)
     check_error("--quiet", "no command given");
     check_error("rendr s.json", "unknown command \"rendr\"; did you mean \"render\"?");
     check_error("bake", "unknown command \"bake\"");
-    check_error("render", "too few arguments: expected render SCENE");
-    check_error("render a b", "unexpected argument \"b\": expected render SCENE");
+    check_error("render", "too few arguments; expected render SCENE");
+    check_error("render a b", "unexpected argument \"b\"; expected render SCENE");
     check_error("compare a", "expected compare IMAGE... REFERENCE");
-    check_error("devices x", "unexpected argument \"x\": expected devices");
+    check_error("devices x", "unexpected argument \"x\"; expected devices");
     check_error("render s --sp 1", "unknown option --sp; did you mean --spp?");
     check_error("render s --bogus", "unknown option --bogus");
     check_error("render s -x", "unknown option -x");

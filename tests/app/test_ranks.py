@@ -233,7 +233,7 @@ class Ends(Ranks):
                                                  'ranks.exr', '--json', '-q'))
         picture = self.told(result, 'ranks.exr')
         self.assertEqual(picture[:2] + picture[3:], one[:2] + one[3:])
-        self.assertIn('samples per pixel are added that ranks of a lost run had saved', result.stderr)
+        self.assertIn('samples per pixel are added, which ranks of a lost run had saved', result.stderr)
         self.assertEqual(self.saved_blocks(), [])
         rendered = sum(member['spp'] for member in json.loads(result.stdout)['members'])
         if not before or held[0][0] == 0: # otherwise the checkpoint has more

@@ -239,7 +239,7 @@ class Names(Folder):
                             (('--explain',), '--turntable and --explain exclude each other'),
                             (('--trace', 't.csv'), '--turntable and --trace exclude'),
                             (('--shard', '1/2'), '--turntable and --shard exclude each other: a shard is a part of one '
-                                                 'picture, but --turntable renders several: expected no --shard'),
+                                                 'picture, but --turntable renders several; expected no --shard'),
                             (('--at', '0:1:2'), '--turntable and --at START:END:FPS exclude'),
                             (('--device', '0,1'), 'by one device')):
             self.assertIn(words, self.run_here('rises.gltf', *one, *more, code=2).stderr)

@@ -514,7 +514,7 @@ class Refused(Shards):
         self.assertEqual(self.read('one.exr'), before)
         result = self.run_one(*self.command('--spp', '4', '--shard', '2/2', '--checkpoint', parts[1]))
         self.assertEqual(result.returncode, 2)
-        self.assertIn('exists already: expected --resume', result.stderr)
+        self.assertIn('exists already; expected --resume', result.stderr)
 
 
 class Auto(Shards):

@@ -130,11 +130,11 @@ static bool check_belongs(const struct trace *trace, const char *render, const c
 {
     if (strcmp(render, trace->render) != 0)
         return err_set(err, ERR_INPUT,
-                       "is the trace of another render: expected one with the settings, scene and "
+                       "is the trace of another render; expected one with the settings, scene and "
                        "device of the checkpoint, or another name");
     if (strcmp(reference, trace->reference) != 0)
         return err_set(err, ERR_INPUT,
-                       "was made %s%s: expected the same --reference, or another name",
+                       "was made %s%s; expected the same --reference, or another name",
                        *reference ? "against another reference" : "without a reference",
                        *reference && !*trace->reference ? ", and this run has none" : "");
     return true;
