@@ -13,8 +13,9 @@
 #include <stdio.h>
 #include <string.h>
 
-// The pilot's picture has about PILOT_PIXELS pixels, or fewer if the render's has. Each integrator
-// takes about PILOT_SAMPLES samples in all, but at least PILOT_LEAST samples per pixel.
+// The pilot's picture has about PILOT_PIXELS pixels, or fewer if the render's picture has fewer.
+// Each integrator takes about PILOT_SAMPLES samples in all, and at least PILOT_LEAST samples per
+// pixel.
 #define PILOT_PIXELS 4096u
 #define PILOT_SAMPLES (1u << 17)
 #define PILOT_LEAST 32u

@@ -23,7 +23,7 @@ struct crew_member {
 
 // A block that a worker has finished.
 struct crew_done {
-    uint32_t worker; // from 0
+    uint32_t worker; // number of the worker, from 0
     double seconds;
 };
 

@@ -257,7 +257,7 @@ struct job {
     uint64_t first_held; // the first sample in the renderer's film
     struct sample_ranges held; // all samples in the renderer's film
     uint32_t held_capacity;
-    uint64_t held_saved; // number of samples of `held` that were saved last
+    uint64_t held_saved; // number of samples in `held` when the film was saved last
     struct job_saved_blocks saved;
 
     // Records.

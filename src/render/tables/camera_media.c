@@ -90,8 +90,8 @@ static bool is_inside_field(const double origin[3], const struct flat_shape *sha
     return sdf_evaluate(sdf, p) < 0.0;
 }
 
-// Returns what crossing() returns, for the plane of a shape at distance t. The plane's front side
-// is in the direction of the normal.
+// Returns +1, -1 or 0 as crossing() does, for the plane of a shape at distance t. The plane's front
+// side is in the direction of the normal.
 static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
 {
     return !hit || !(t > 0.0) ? 0 : vec3_dot(direction, normal) > 0.0 ? 1 : -1;
