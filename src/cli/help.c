@@ -8,7 +8,7 @@
 
 static const char program_summary[] = "physically based path tracer on Vulkan compute shaders";
 
-// command: NULL for the program
+// `command` is NULL for the program itself.
 static void exit_status(const struct help_writer *writer, const struct command *command)
 {
     static const struct {

@@ -7,9 +7,10 @@
 #include <inttypes.h>
 #include <math.h>
 
-// The greatest fraction of the rendering time that copies may take. Before the first copy, its time
-// is estimated per pixel: on lavapipe, resolving and reading a pixel takes 0.1 to 0.2 us.
+// The greatest fraction of the rendering time that copies may take.
 #define COST_MAX 0.01
+// The time of the first copy is estimated as this time per pixel. On lavapipe, resolving and
+// reading a pixel takes 0.1 to 0.2 us.
 #define PIXEL_SECONDS 2e-7
 // The first copy is always made if it is expected to take less than this.
 #define SHORT_SECONDS 2e-3
@@ -19,7 +20,7 @@
 // A copy waits at most this long for the end of a pass, when all pixels have the same number of
 // samples. The first copy does not wait.
 #define PATIENCE_SECONDS 10.0
-// Copies may use 1 / MEMORY_PART of the memory budget. While a copy is made, there are two of them.
+// Copies may use 1 / MEMORY_PART of the memory budget. While a copy is made, two copies exist.
 #define MEMORY_PART 8
 
 static uint64_t film_pixels(const struct job *job)

@@ -34,7 +34,7 @@ struct sequence {
     bool *is_finished;     // for each picture: whether an earlier run finished it
     uint32_t rendered, skipped;
     const char *identity; // everything that determines the pictures except their times or views
-    struct camera camera; // first camera; a camera that the program chose does not move
+    struct camera camera; // camera of the first picture, which is kept if the program chose it
     double ground[2][3];  // centre and normal of the ground that was added to the first picture
     struct turntable turntable;
     struct geometry geometry;
