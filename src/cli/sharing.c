@@ -27,7 +27,7 @@ void sharing_print(const struct flat_scene *flat, uint32_t features)
     printf("shared    %u mesh%s by %u instances: ", flat->mesh_count,
            flat->mesh_count == 1 ? "" : "es", flat->placed_count);
     printf(mib < 1024 ? "%.1f MiB" : "%.1f GiB", mib < 1024 ? mib : mib / 1024);
-    printf(" saved, of %" PRIu64 " triangles\n", saved_triangles(flat));
+    printf(" saved, the size of %" PRIu64 " triangles\n", saved_triangles(flat));
 }
 
 json_t *sharing_json(const struct flat_scene *flat, uint32_t features)

@@ -224,8 +224,8 @@ static bool begin_merge(struct merge *merge, const struct checkpoint *c, const c
     if (!size || sscanf(size, "%ux%u", &merge->width, &merge->height) != 2 ||
         (round && (sscanf(round, "%u", &round_samples) != 1 || round_samples == 0)))
         return err_set(err, ERR_INPUT,
-                       "%s: does not name the picture of which it is a part; expected a "
-                       "part of this build",
+                       "%s: its identity lacks the size of the picture, or has an invalid size or "
+                       "round; expected a part that this build has written",
                        c->path);
     merge->merged.identity = identity;
     merge->own_identity = common_identity(c->identity, false, &merge->arena);

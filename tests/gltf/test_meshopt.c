@@ -388,7 +388,7 @@ TEST(bad_views)
         {"'byteLength':4800", "'byteLength':4801",
          "byteLength is 4801; expected the size of 400 elements"},
         {"'byteLength':4800", "'byteLength':4800,'byteStride':16",
-         "bufferViews[0]: byteStride is 16; expected 12, as compressed"},
+         "bufferViews[0]: byteStride is 16; expected 12, that of the extension"},
         {"'byteLength':4800", "'byteLength':4800,'byteOffset':99999", "is beyond buffers[1]"},
         {"'buffer':1,", "", "bufferViews[0]: \"buffer\" is missing"},
         {"'EXT_meshopt_compression':{", "'EXT_meshopt_compression':7,'x':{", "expected an object"},

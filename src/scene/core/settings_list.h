@@ -30,14 +30,15 @@ SETTING_OF_IMAGE(EXPOSURE, float, exposure, "exposure", "exposure", "Picture",
     "Exposure in stops: PNG and JPEG images, and the images that psnr, ssim and flip compare, are "
     "multiplied by 2 to this power before the tone curve. auto computes it from the image's "
     "luminances (docs/output.md; not for compare); it is the default for models without light or "
-    "camera and under a sky from the command line. EXR, HDR and PFM files are not changed.",
+    "camera, and for scenes that get a sky from the command line. EXR, HDR and PFM files are not "
+    "changed.",
     (REAL(-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX), .word = "auto",
      .flag = offsetof(struct settings, exposure_is_auto)),
     .brief = "Multiply PNG and JPEG by 2 to this power.",
     .fallback = 0, .argument = "STOPS")
 SETTING_OF_IMAGE(TONE, uint32_t, tone_curve, "tone", "tone", "Picture",
-    "Tone curve of PNG and JPEG images. The default is aces for models without light or camera and "
-    "under a sky from the command line.",
+    "Tone curve of PNG and JPEG images. The default is aces for models without light or camera, "
+    "and for scenes that get a sky from the command line.",
     (CHOICE(tone_names)), .brief = "Tone curve of PNG and JPEG images.",
     .fallback = TONE_NONE)
 

@@ -97,7 +97,7 @@ static bool check_view(const struct json_node *view, const struct compressed *in
                          (unsigned long long)length, (unsigned long long)in->count,
                          (unsigned long long)in->stride);
     if (stride != in->stride)
-        return node_fail(view, err, "byteStride is %llu; expected %llu, as compressed",
+        return node_fail(view, err, "byteStride is %llu; expected %llu, that of the extension",
                          (unsigned long long)stride, (unsigned long long)in->stride);
     return true;
 }
