@@ -235,9 +235,9 @@ float albedo_turned(uint tables, float mu, vec3 axes, float alpha_o)
                          vec4(albedo_axis_mu(mu, alpha_o), axes));
 }
 
-// Returns a cosine that represents wo.h for all directions that anisotropic GGX reflects: its (1 -
-// cos)^12 equals the mean of (1 - wo.h)^12. For indices from 1.05 on the Fresnel reflectance is
-// concave in that power, so its value at this cosine is at least its mean.
+// Returns a cosine x that represents wo.h for all directions that anisotropic GGX reflects:
+// (1 - x)^12 is the mean of (1 - wo.h)^12. From the index 1.05 on, the Fresnel reflectance is a
+// concave function of (1 - wo.h)^12, so the reflectance at x is at least the mean reflectance.
 float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
 {
     return 1.0 - albedo_slices(tables + ALBEDO_SINE,

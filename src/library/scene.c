@@ -145,7 +145,8 @@ enum lampyris_status lampyris_scene_parse(struct lampyris_context *context, cons
 
 // --- the document --------------------------------------------------------------------------------
 
-// Makes a document whose base is the model's file, in the same folder.
+// Makes a document that has the model's file as its base. The document is in the folder of this
+// file (see set_path()), so it names the file without a folder.
 static json_t *document_of_model(const struct lampyris_scene *scene)
 {
     return json_pack("{s:i, s:{s:s}}", "lampyris", 1, "base", "file", path_name(scene->path));

@@ -155,7 +155,7 @@ static bool is_current(int handle, const char *path)
 int file_handle_lock(const char *path, bool *is_locked)
 {
     for (;;) {
-        // flock() works with read permission alone, which suffices if the file is another user's.
+        // flock() needs only read permission, so another user's file can be locked, too.
         const int handle = open(path, O_RDONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
         if (handle < 0)
             return -1;

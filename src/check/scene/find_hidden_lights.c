@@ -328,8 +328,8 @@ struct tally {
     // light.
     uint32_t behind;
     double arrived, hidden; // sums of these members over all places
-    struct sighting glass;  // glass in front of the first place that counts, or else of any place
-    bool is_named;          // `glass` is in front of a place that counts
+    struct sighting glass;  // glass in front of the first place in `touched`, or else of any place
+    bool is_named;          // `glass` is in front of a place in `touched`
     uint8_t *touched;       // a flag for each place whose light is missing
     struct place *at;       // one for each of the camera's lines
 };

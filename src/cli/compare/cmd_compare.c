@@ -268,8 +268,8 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
     double nonfinite = picture->value[METRIC_NONFINITE];
     if (nonfinite == 0 || nonfinite_limited)
         return passed;
-    // The metrics omit pixels that are not finite, so an image with such pixels only must fail
-    // separately.
+    // The metrics omit pixels that are not finite, so their limits do not detect such pixels. If
+    // there are limits, but none on the number of these pixels, an image with such pixels fails.
     bool fails = options->compare.limit_count > 0;
     log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were omitted",
                 picture->path, nonfinite);

@@ -230,7 +230,7 @@ static bool hand_over(void *context, uint32_t aovs, uint64_t bytes, const struct
     return reduce(context, aovs, bytes, film, NULL, err);
 }
 
-// --- all -----------------------------------------------------------------------------------------
+// --- all ranks -----------------------------------------------------------------------------------
 
 static bool count_sharers(struct ranks_context *c, const struct rank_card *own, uint32_t *sharers,
                           struct err *err)

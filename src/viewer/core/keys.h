@@ -37,14 +37,14 @@ struct keys {
     // set for a double click.
     bool wants_pick, wants_focus;
     double pick_x, pick_y;
-    // Set from the begin of an orbit until its centre is known; the camera does not move meanwhile.
+    // Set from the start of an orbit until its centre is known; the camera does not move meanwhile.
     bool wants_pivot;
 };
 
 void viewer_event(struct viewer *viewer, const struct event *event);
 // Moves the camera by held keys, mouse movement and the automatic revolution.
 void viewer_move_camera(struct viewer *viewer, double seconds);
-// Evaluates the last click and the begin of an orbit. Returns false if the device failed.
+// Evaluates the last click and the start of an orbit. Returns false if the device failed.
 bool viewer_answer_click(struct viewer *viewer, struct err *err);
 // Returns whether no key or button is held and no movement is in progress that could change the
 // scene.

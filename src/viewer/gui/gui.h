@@ -146,7 +146,7 @@ void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count);
 // the right end.
 void gui_legend(struct gui *gui, const uint32_t *colors, uint32_t count,
                 const char *const texts[3]);
-// Draws a line over the image, on which it stands out whatever its colours are.
+// Draws a line over the image. Its dark border makes it visible on images of any colour.
 void gui_stroke(struct gui *gui, const double from[2], const double to[2]);
 // Draws a progress bar over the centre of the image.
 void gui_progress(struct gui *gui, const char *what, double fraction);
