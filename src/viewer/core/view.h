@@ -59,7 +59,8 @@ bool view_wants_look(const struct viewer *viewer, const struct view *view);
 // Starts an estimate of the error on the worker's thread if one is due; the result is added to
 // `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
-// Estimates the error at once. There must be at least two samples.
+// Estimates the error at once. Does nothing if there are fewer than two samples, if the image is a
+// preview, or if the newest estimate is of the same number of samples.
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 // Starts a new image and discards the estimates of the previous one.
 void view_begin(struct view *view);
