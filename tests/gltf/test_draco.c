@@ -104,7 +104,7 @@ TEST(bad_documents)
         {"\"mode\":4", "\"mode\":5", "\"mode\" is 5; expected 4 (triangles)"},
         {"\"count\":30", "\"count\":31", "the count is 31, but KHR_draco_mesh_compression has 30"},
         {"\"count\":120", "\"count\":123", "the count is 123, but"},
-        {"\"bufferView\":0", "\"bufferView\":7", "bufferView: 7, expected an index below 1"},
+        {"\"bufferView\":0", "\"bufferView\":7", "bufferView: 7; expected an index below 1"},
         {"\"bufferView\":0", "\"bufferVieW\":0", "\"bufferView\" is missing"},
         {"\"NORMAL\":2", "\"NORMAL\":9", "NORMAL: the compressed mesh has no attribute 9"},
         {"\"NORMAL\":2", "\"NORMAT\":2", "\"NORMAT\" is missing"},
