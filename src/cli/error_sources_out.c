@@ -80,9 +80,9 @@ void error_sources_print(const struct error_sources *sources, const char *comman
         if (sources->kinds & error_kind_aov((enum error_kind)kind))
             print_kind(sources, (enum error_kind)kind);
     if (sources->brightest_count > 0)
-        printf("brightest contributions%s:\n", command
-                                                   ? ", and the commands that follow their paths"
-                                                   : "; --pixel follows neither paths that split nor those of a sequence");
+        printf("brightest contributions%s:\n",
+               command ? ", and the commands that follow their paths"
+                       : "; --pixel follows neither paths that split nor those of a sequence");
     for (uint32_t i = 0; i < sources->brightest_count; i++)
         print_path(&sources->brightest[i], command);
 }

@@ -241,8 +241,8 @@ struct render_options {
     uint32_t every;                 // number of frames after which an image is written; 0: only at
                                     // the end
     bool accumulate;
-    const char *checkpoint;    // NULL: none is written
-    double checkpoint_seconds; // interval between two checkpoints
+    const char *checkpoint;            // NULL: none is written
+    double checkpoint_seconds;         // interval between two checkpoints
 #define OPTION_CHECKPOINT_SECONDS 60.0 // longest interval without --checkpoint-every
     bool resume;
     const char *shard_text; // text given to --shard; NULL: none

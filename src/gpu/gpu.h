@@ -28,10 +28,10 @@
 struct gpu_device_info {
     uint32_t index;
     char name[256];
-    char driver[512];   // name, version and additional information of the driver
-    const char *kind;   // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
-    bool is_cpu;        // runs on the processor (lavapipe, SwiftShader)
-    bool shares_memory; // device memory is the host's memory
+    char driver[512];      // name, version and additional information of the driver
+    const char *kind;      // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
+    bool is_cpu;           // runs on the processor (lavapipe, SwiftShader)
+    bool shares_memory;    // device memory is the host's memory
     uint8_t memory_id[16]; // the same for devices that have the same memory, also in other
                            // processes: zeros for the host's memory, else the UUID of the device
     uint32_t api_version;
@@ -96,7 +96,7 @@ struct gpu {
                         // resets it
     bool abandoned;     // the device may still be working, so its objects are no longer destroyed
     uint64_t allocated_bytes, peak_bytes; // bytes of buffers (including staging buffers) and images
-    uint32_t sharers;     // see gpu_share_memory(); 0: the memory is not shared
+    uint32_t sharers;                     // see gpu_share_memory(); 0: the memory is not shared
     uint64_t share_bytes, host_share_bytes; // the share of this one of them, and its share of the
                                             // host's memory
 
@@ -125,8 +125,8 @@ bool gpu_reopen(struct gpu *gpu, struct err *err);
 // memory, the result is at most the host's free memory. After gpu_share_memory(), it is at most the
 // rest of the share.
 uint64_t gpu_memory_free(const struct gpu *gpu);
-// Returns memory_available(), or less after gpu_share_memory() if the device uses the host's memory:
-// the rest of the share of it.
+// Returns memory_available(), or less after gpu_share_memory() if the device uses the host's
+// memory: the rest of the share of it.
 uint64_t gpu_host_memory_free(const struct gpu *gpu);
 // Divides the memory that is available now equally among `sharers` renderers, of this process or of
 // others, that have opened devices with the same info.memory_id. Each must call this after all have

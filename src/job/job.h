@@ -52,11 +52,11 @@ struct job_goal {
 };
 
 struct job_checkpoint_params {
-    const char *path; // NULL: no checkpoint is written
-    double seconds;   // greatest interval between two checkpoints
-    bool resume;      // resume from the file at `path` if it exists; if false, the file must not
-                      // exist
-    bool is_paced;    // intervals are shorter if checkpoints then take a small part of the time
+    const char *path;  // NULL: no checkpoint is written
+    double seconds;    // greatest interval between two checkpoints
+    bool resume;       // resume from the file at `path` if it exists; if false, the file must not
+                       // exist
+    bool is_paced;     // intervals are shorter if checkpoints then take a small part of the time
     bool keeps_blocks; // for a rank of a crew: saves its samples after each of its blocks
 };
 
@@ -253,8 +253,8 @@ struct job {
 
     // Used if the job has a crew, or is a worker of one.
     struct crew_deal deal;
-    bool has_samples;    // the renderer's film has samples
-    uint64_t first_held; // the first sample in the renderer's film
+    bool has_samples;          // the renderer's film has samples
+    uint64_t first_held;       // the first sample in the renderer's film
     struct sample_ranges held; // all samples in the renderer's film
     uint32_t held_capacity;
     uint64_t held_saved; // number of samples in `held` when the film was saved last

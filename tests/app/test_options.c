@@ -261,7 +261,8 @@ TEST(combinations_are_checked)
     check_error("render s --accumulate off", "--accumulate needs --frames");
     check_error("render s --sample 2", "--sample needs --pixel");
     check_error("render s --spp 4 --frames 2", "--spp and --frames exclude each other");
-    check_error("render s --frames 1M --spp-per-frame 4k", "is 4294967296 samples; expected at most");
+    check_error("render s --frames 1M --spp-per-frame 4k",
+                "is 4294967296 samples; expected at most");
 }
 
 TEST(memory_runs_out_politely)

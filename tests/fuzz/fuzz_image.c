@@ -1,6 +1,6 @@
-// Fuzz target for an image of the format FUZZ_FORMAT ("exr", "hdr", "jpeg", "pfm", "png", "tga" or "webp") in
-// memory, and for its metadata. Inputs of other formats are rejected, so that they do not enter the
-// corpus.
+// Fuzz target for an image of the format FUZZ_FORMAT ("exr", "hdr", "jpeg", "pfm", "png", "tga" or
+// "webp") in memory, and for its metadata. Inputs of other formats are rejected, so that they do
+// not enter the corpus.
 #include "base/memory.h"
 #include "image/image.h"
 #include "image/image_internal.h"
