@@ -157,6 +157,10 @@ class Fits(Crews):
         limits = {'LAMPYRIS_LIMITS': 'memory-budget=20000000'}
         told = self.info(*picture, code=3, **limits).stdout
         self.assertRegex(told, 'devices    0: .*: does not fit: the plan needs .* of device memory')
+        report = json.loads(self.info(*picture, '--json', code=3, **limits).stdout)
+        self.assertTrue(report['scene'].endswith('cornell.json'))
+        self.assertEqual([device['fits'] for device in report['devices']], [False] * len(devices))
+        self.assertIn('the plan needs', report['devices'][0]['reason'])
         result = self.run_one(*self.command(*picture, '--spp', '1', '-o', 'z.exr'), **limits)
         self.assertEqual(result.returncode, 3)
         self.assertIn('the plan needs', result.stderr)
@@ -177,7 +181,7 @@ class Fits(Crews):
         self.assertEqual(waves, sorted(set(waves), reverse=True))
         result = self.run_one(*command, '--device', '0,0', LAMPYRIS_LIMITS='memory-budget=8000000')
         self.assertEqual(result.returncode, 3)
-        self.assertRegex(result.stderr, 'the plan needs .* has [\\d.]+ MiB left for each of the 2 that share it: .*, '
+        self.assertRegex(result.stderr, 'the plan needs .* has [\\d.]+ MiB left for each of the 2 that share it; .*, '
                                         'or fewer devices or ranks')
         self.assertEqual(self.run_one(*command, LAMPYRIS_LIMITS='memory-budget=8000000').returncode, 0)
 

@@ -275,6 +275,16 @@ static bool gather(const struct options *options, struct info *info, struct err 
     return true;
 }
 
+// Prints on which devices the scene fits if it cannot be described in detail.
+static void print_fits(const struct info *info)
+{
+    if (info->fits.count > 0 && info->options->json)
+        command_print(json_pack("{s:o, s:o}", "scene", json_words(info->scene.path), "devices",
+                                device_fits_json(&info->fits)));
+    else
+        device_fits_print(&info->fits);
+}
+
 int cmd_info(const struct options *options)
 {
     struct info info = {.options = options};
@@ -283,8 +293,7 @@ int cmd_info(const struct options *options)
     bool ok = gather(options, &info, &err);
     progress_end(options->progress);
     if (!ok) {
-        if (info.fits.count > 0 && !options->json)
-            device_fits_print(&info.fits);
+        print_fits(&info);
         code = command_fail(&err);
     } else if (options->json)
         code = print_json(&info);
