@@ -36,6 +36,14 @@ uint32_t render_ranks_expected(void)
     return count > 1 ? count : 1;
 }
 
+uint32_t render_ranks_launched_as(void)
+{
+    uint32_t index = number_of("OMPI_COMM_WORLD_RANK");
+    if (index == 0)
+        index = number_of("PMI_RANK");
+    return index > 0 ? index : number_of("PMIX_RANK");
+}
+
 int render_ranks_become(const struct options *options)
 {
     char program[PATH_MAX];

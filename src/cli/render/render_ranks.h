@@ -45,6 +45,8 @@ struct render_ranks {
 // Returns the number of processes, including this one, that mpirun or srun started together.
 // Returns 1 if this process was started alone.
 uint32_t render_ranks_expected(void);
+// Returns the index of this process among them, from 0.
+uint32_t render_ranks_launched_as(void);
 
 // Saves the blocks of this rank that were not saved yet. A failure is only logged, as an error.
 void render_ranks_save(struct render_ranks *ranks);
