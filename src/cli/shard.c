@@ -108,11 +108,17 @@ static bool find_place(uint64_t wanted, struct place *out, struct err *err)
     struct place array, rank;
     if (!read_array(&array, err) || !read_rank(&rank, err))
         return false;
-    if (array.count == 0 && (wanted == 0 || rank.count == 0 || wanted % rank.count != 0))
+    if (array.count == 0 && wanted == 0)
         return err_set(err, ERR_USAGE,
                        "Kubernetes sets JOB_COMPLETION_INDEX and not the number of completions; "
                        "expected --shard auto/N");
-    if (array.count == 0)
+    if (array.count == 0 && rank.count > 0 && wanted % rank.count != 0)
+        return err_set(err, ERR_USAGE,
+                       "each completion of the Kubernetes job has %" PRIu64
+                       " processes, so the number of shards is a multiple of that, but it is "
+                       "%" PRIu64 "; expected auto/%" PRIu64 ", for example",
+                       rank.count, wanted, (wanted / rank.count + 1) * rank.count);
+    if (array.count == 0 && rank.count > 0)
         array.count = wanted / rank.count;
     *out = (struct place){array.index * rank.count + rank.index, array.count * rank.count};
     if (out->index >= out->count || out->count > UINT32_MAX)
