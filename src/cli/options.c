@@ -401,6 +401,11 @@ char *options_quote(const char *word, char *out)
     return put(out, "'");
 }
 
+const char *options_folder_of(const char *name)
+{
+    return name[0] == '-' && name[1] != '\0' ? "./" : "";
+}
+
 // Options that belong to a single run. They end the run, or report something in addition to the
 // image. A command that follows a path of the run keeps only the first option of this list
 // (--error). A command that repeats the image keeps only --crop and the options after --crop.
@@ -431,20 +436,24 @@ static const struct option_def *find_written(const char *argument)
                               : find_short(argument[1]);
 }
 
-// Returns the number of arguments, starting with this one, that belong to an option of the list.
-static int listed_arguments(const char *argument, const struct option_list *list)
+static bool is_listed(const struct option_def *def, const struct option_list *list)
 {
-    const struct option_def *def = find_written(argument);
-    bool is_listed = false;
-    for (size_t i = 0; def && i < list->count; i++)
-        is_listed |= def == &option_table[list->ids[i]];
-    if (!is_listed)
-        return 0;
+    bool is = false;
+    for (size_t i = 0; i < list->count; i++)
+        is |= def == &option_table[list->ids[i]];
+    return is;
+}
+
+// Returns the number of arguments, starting with this one, in which an option is written.
+static int written_arguments(const struct option_def *def, const char *argument)
+{
     bool has_value = argument[1] == '-' ? strchr(argument, '=') != NULL : argument[2] != '\0';
     return def->type == VALUE_FLAG || has_value ? 1 : 2;
 }
 
-// Makes the command line without the options of the list.
+// Makes the command line without the options of the list. Options can be added at its end, because
+// "--" is left out. Files after "--" whose names begin with '-' are therefore named with their
+// folder, as "./-x.json".
 static const char *make_line(struct arena *arena, size_t size, int argc, char **argv,
                              struct option_list left_out)
 {
@@ -453,15 +462,21 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
         return NULL;
     char *end = put(line, "lampyris");
     bool only_arguments = false;
-    for (int i = 1; i < argc; i++) {
-        int passed = only_arguments ? 0 : listed_arguments(argv[i], &left_out);
-        only_arguments |= strcmp(argv[i], "--") == 0;
-        if (passed > 0) {
-            i += passed - 1;
+    for (int i = 1, next; i < argc; i = next) {
+        const struct option_def *def = only_arguments ? NULL : find_written(argv[i]);
+        next = i + (def ? written_arguments(def, argv[i]) : 1);
+        if (!only_arguments && strcmp(argv[i], "--") == 0) {
+            only_arguments = true;
             continue;
         }
-        *end++ = ' ';
-        end = options_quote(argv[i], end);
+        if (def && is_listed(def, &left_out))
+            continue;
+        for (int word = i; word < next && word < argc; word++) {
+            *end++ = ' ';
+            if (only_arguments)
+                end = put(end, options_folder_of(argv[word]));
+            end = options_quote(argv[word], end);
+        }
     }
     return line;
 }
@@ -472,7 +487,7 @@ static bool keep_command_line(struct options *options, int argc, char **argv, st
     struct render_options *render = &options->render;
     size_t size = 16;
     for (int i = 1; i < argc; i++)
-        size += 4 * strlen(argv[i]) + 4;
+        size += 4 * strlen(argv[i]) + 6;
     options->command_line = make_line(arena, size, argc, argv, (struct option_list){0});
     render->repeatable_line =
         make_line(arena, size, argc, argv, (struct option_list){passing, UNREPEATED_COUNT});

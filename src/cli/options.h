@@ -398,6 +398,9 @@ bool output_is_video(const char *path);
 // Quotes a word for a shell. Returns the end of the output. `out` must have room for 4 bytes per
 // byte of the word, plus 3.
 char *options_quote(const char *word, char *out);
+// Returns "./" for the name of a file that begins with '-', and otherwise "". With it in front, no
+// program takes the name for an option.
+const char *options_folder_of(const char *name);
 
 // Returns the placeholder of the value in the help: "WxH", "path|direct", "METRES|off".
 #define OPTION_ARGUMENT_MAX 120

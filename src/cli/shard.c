@@ -222,13 +222,14 @@ static const char *fill_in(struct arena *arena, const char *name, const struct n
     return out;
 }
 
-static const char *default_part(struct options *options, const struct numbers *numbers)
+const char *shard_default_part(const struct options *options, const struct job_shard *shard,
+                               struct arena *arena)
 {
-    const struct job_shard *shard = &options->render.shard;
+    const struct numbers numbers = numbers_of(shard);
     const char *scene = path_name(options->arguments[0]), *extension = path_extension(scene);
     size_t length = strlen(scene) - strlen(extension);
-    return arena_printf(&options->arena, "%.*s%s%s%s%s.part", (int)length, scene,
-                        *extension ? "" : ".", numbers->i, shard->count ? "-of-" : "-", numbers->n);
+    return arena_printf(arena, "%s%.*s%s%s%s%s.part", options_folder_of(scene), (int)length, scene,
+                        *extension ? "" : ".", numbers.i, shard->count ? "-of-" : "-", numbers.n);
 }
 
 bool shard_settle(struct options *options, struct err *err)
@@ -248,7 +249,7 @@ bool shard_settle(struct options *options, struct err *err)
                        "name, which stands for the shard's number",
                        render->checkpoint);
     render->checkpoint = is_named ? fill_in(&options->arena, render->checkpoint, &numbers)
-                                  : default_part(options, &numbers);
+                                  : shard_default_part(options, &render->shard, &options->arena);
     bool ok = render->checkpoint != NULL;
     for (uint32_t i = 0; i < render->output_count; i++) {
         render->outputs[i] = fill_in(&options->arena, render->outputs[i], &numbers);

@@ -17,4 +17,8 @@ bool shard_parse(const char *text, struct job_shard *out, struct err *err);
 // of outputs, %i and %n are replaced by I and N (or FIRST and END).
 bool shard_settle(struct options *options, struct err *err);
 
+// Returns the name of a shard's part without --checkpoint. Returns NULL when out of memory.
+const char *shard_default_part(const struct options *options, const struct job_shard *shard,
+                               struct arena *arena);
+
 #endif

@@ -312,6 +312,17 @@ class Missing(Shards):
         self.assertEqual(len(made), len(commands))
         self.assertEqual(self.picture(['merge', *some, *made], 'merged.exr'), whole)
 
+    def test_a_scene_whose_name_begins_with_dashes(self):
+        """Options that are added to its command must not follow "--"."""
+        with open(os.path.join(SCENES, 'cornell.json'), 'rb') as scene:
+            self.write('--x.json', scene.read())
+        self.succeed('render', '--size', '8x8', '--spp', '8', '-q', '--shard', '1/2', '--', '--x.json')
+        told = self.refuse('expected their parts', 'merge', '-o', 'z.exr', '--', '--x.1-of-2.part')
+        command, = re.findall('^lampyris (.* --shard 4:8)$', told, re.MULTILINE)
+        self.assertIn(' ./--x.json ', command)
+        self.succeed(*shlex.split(command), '-q')
+        self.succeed('merge', './--x.1-of-2.part', './--x.4-8.part', '-o', 'a.exr')
+
     def test_partial(self):
         parts = self.render_shards(4, '--spp', '32')
         result = self.succeed('merge', parts[1], parts[3], '--partial', '-o', 'p.exr', '--json', '-q')
