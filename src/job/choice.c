@@ -274,6 +274,17 @@ static bool make_geometry(struct job *job, struct err *err)
     return true;
 }
 
+bool job_check_renderer(struct job *job, struct err *err)
+{
+    struct renderer_params params = job->params.renderer;
+    if (job->scene->settings.integrator == INTEGRATOR_BIDIR && !make_geometry(job, err))
+        return false;
+    params.scene = job->scene;
+    params.geometry = job->params.renderer.geometry;
+    params.tiles = job->params.goal.adaptive;
+    return renderer_check(&params, err);
+}
+
 bool job_choose_integrator(struct job *job, struct err *err)
 {
     const struct settings *settings = &job->scene->settings;

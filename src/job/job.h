@@ -297,6 +297,9 @@ struct job {
 // cannot be combined. Needs no device yet, but params->renderer.gpu must be the address of the
 // device that will be opened.
 bool job_init(const struct job_params *params, struct job *out, struct err *err);
+// Checks what renderers refuse on any device: settings and layers that the integrator does not
+// support. Needs no device.
+bool job_check_renderer(struct job *job, struct err *err);
 // Needs an open device. Chooses the integrator, if params.chooses_integrator is set. job_open()
 // calls this function, too. Callers with a crew call it before they start the workers, which use
 // the same scene.

@@ -255,16 +255,17 @@ static bool get_geometry(const struct renderer_params *params, struct renderer *
     return true;
 }
 
-static bool check_light_paths(const struct renderer_params *params, const struct renderer *r,
+static bool check_light_paths(const struct renderer_params *params, const struct flat_scene *flat,
                               struct err *err)
 {
-    return light_paths_check(&(struct light_paths_params){.scene = r->scene,
-                                                          .flat = &r->flat,
-                                                          .camera = &r->camera,
-                                                          .aovs = params->aovs,
-                                                          .tiles = params->tiles,
-                                                          .has_window = params->window.width > 0},
-                             err);
+    return light_paths_check(
+        &(struct light_paths_params){.scene = params->scene,
+                                     .flat = flat,
+                                     .camera = &params->scene->cameras[params->camera],
+                                     .aovs = params->aovs,
+                                     .tiles = params->tiles,
+                                     .has_window = params->window.width > 0},
+        err);
 }
 
 static void choose_features(const struct renderer_params *params, struct renderer *r)
@@ -312,6 +313,12 @@ static bool build_tables(struct renderer *r, struct err *err)
     return true;
 }
 
+bool renderer_check(const struct renderer_params *params, struct err *err)
+{
+    const struct flat_scene *flat = params->geometry ? &params->geometry->flat : NULL;
+    return check_split(&params->scene->settings, err) && check_light_paths(params, flat, err);
+}
+
 bool renderer_prepare(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
     const struct settings *settings = &params->scene->settings;
@@ -329,7 +336,7 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
         .progress = params->progress,
     };
     if (!check_workgroup(r->gpu, params->workgroup, err) || !check_split(settings, err) ||
-        !get_geometry(params, r, err) || !check_light_paths(params, r, err))
+        !get_geometry(params, r, err) || !check_light_paths(params, &r->flat, err))
         goto fail;
 
     uint64_t start = clock_ns();

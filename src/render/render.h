@@ -244,6 +244,9 @@ struct renderer {
 // without allocating anything on the device. *out can then be inspected and finished, but cannot
 // render. On failure it is already finished.
 bool renderer_prepare(const struct renderer_params *params, struct renderer *out, struct err *err);
+// Checks what renderer_prepare() refuses on any device. params->gpu is not used; params->geometry
+// must be given if the integrator is INTEGRATOR_BIDIR.
+bool renderer_check(const struct renderer_params *params, struct err *err);
 // Prepares the renderer, uploads the scene and compiles the kernels. *out must not be moved.
 bool renderer_create(const struct renderer_params *params, struct renderer *out, struct err *err);
 void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
