@@ -78,21 +78,23 @@ const struct command commands[COMMAND_TOTAL] = {
                 "merge that begins when all of them have ended. The options are those of render: "
                 "-o is used by the merge, all others by the shards. Slurm starts a shard again if "
                 "it is preempted, its node is lost, or its time limit ends; the shard then "
-                "continues from its part. Settings that shards refuse are refused before anything "
-                "is submitted. lampyris merge --status prints the progress of the parts. See "
+                "continues from its part. Settings that shards refuse on every device, and parts "
+                "of "
+                "another render under the same names, are refused before anything is submitted. "
+                "lampyris merge --status prints the progress of the parts. See "
                 "docs/scaling.md.",
             .examples = "lampyris submit scenes/cornell.json --spp 64k --parts 64 -o a.exr\n"
                         "lampyris submit scenes/cornell.json --parts 8 --slurm '--partition=gpu'\n"
                         "lampyris submit scenes/cornell.json --parts 8 --dry-run\n"
-                        "lampyris merge --status cornell.*.part",
+                        "lampyris merge --status cornell.[0-9]*.part",
             .exits =
                 {
                     [EXIT_CODE_OK] = "The jobs were submitted; with --dry-run, the files were "
                                      "written.",
                     [EXIT_CODE_CHECK_FAILED] = "",
-                    [EXIT_CODE_INPUT] =
-                        "The command line or the scene is wrong, or the shards would refuse the "
-                        "settings. Nothing was submitted.",
+                    [EXIT_CODE_INPUT] = "The command line or the scene is wrong, the shards would "
+                                        "refuse the settings, or "
+                                        "there are parts of another render. Nothing was submitted.",
                     [EXIT_CODE_DEVICE] = "sbatch is not installed or refused a file, or the "
                                          "system's memory failed.",
                     [EXIT_CODE_OUTPUT] = "A batch file could not be written, or the merge could "

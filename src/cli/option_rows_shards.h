@@ -43,6 +43,15 @@
                 "their hashes, not the films. Exit with 1 if samples are missing.",
         FIELD(merge.status),
     },
+    [OPTION_EXPECT] = {
+        .name = "expect", .argument = "HASH", .type = VALUE_TEXT, .group = "Shards",
+        .commands = FOR_MERGE, .fallback = "any",
+        .help = "Refuse the parts if they are not of the render with this hash: of its scene, its "
+                "settings and its samples. submit writes the hash into the batch file of the merge, "
+                "so that parts of an earlier render with the same names are not taken for the new "
+                "ones.",
+        FIELD(merge.expected),
+    },
     [OPTION_PARTS] = {
         .name = "parts", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = SETTINGS_SPP_MAX / 2,
         .group = "Shards", .commands = FOR_SUBMIT, .common = FOR_SUBMIT,

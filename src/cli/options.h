@@ -71,6 +71,7 @@ enum option_id {
     OPTION_PARTIAL,
     OPTION_MIXED,
     OPTION_STATUS,
+    OPTION_EXPECT,
     OPTION_PARTS,
     OPTION_SLURM,
     OPTION_DRY_RUN,
@@ -314,6 +315,7 @@ struct merge_options {
     bool partial; // write the picture even if samples are missing
     bool mixed;   // the parts may be from several devices
     bool status;  // print which samples the parts have, without adding them
+    const char *expected; // hash of the render that the parts must be of; NULL: any
 };
 
 struct submit_options {

@@ -16,7 +16,7 @@ import unittest
 
 import slurm
 from program import need_device
-from test_shards import LAMPYRIS, PLACES, Shards
+from test_shards import LAMPYRIS, PLACES, SCENES, Shards
 
 
 class Files(Shards):
@@ -42,30 +42,99 @@ class Files(Shards):
         for line in ('#SBATCH --array=1-12', '#SBATCH --requeue', '#SBATCH --partition=gpu --time=5'):
             self.assertIn(line + '\n', shards)
         self.assertIn('#SBATCH --partition=gpu --time=5\n', merge)
-        self.assertIn("merge cornell.*-of-12.part -o 'a b.exr'\n", merge)
+        self.assertRegex(merge, r"merge --expect [0-9a-f]{16} cornell\.\[0-9\]\[0-9\]-of-12\.part -o 'a b\.exr'\n$")
         self.assertIn('--size 20x18 --spp 40 --aov depth --shard "$SLURM_ARRAY_TASK_ID/12" --resume', shards)
         told = self.submit('--spp', '40', '--parts', '12', '--dry-run').stdout
         self.assertIn('sbatch --dependency=afterany:$(sbatch --parsable cornell.shards.sh) cornell.merge.sh', told)
         self.assertNotIn('partition', self.read('cornell.shards.sh').decode())
 
+    def run_file(self, name, **variables):
+        """Runs a batch file as Slurm does."""
+        return subprocess.run(['sh', name], cwd=self.folder.name, env={**os.environ, **variables}, timeout=120,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def run_tasks(self, count, stem='cornell', code=0):
+        for task in range(count, 0, -1):
+            result = self.run_file(f'{stem}.shards.sh', SLURM_ARRAY_TASK_ID=str(task))
+            self.assertEqual(result.returncode, code, result.stderr)
+
     def test_the_files_render_the_picture(self):
-        """A shell runs the files as Slurm does, one task after the other."""
         whole = self.picture(self.command('--spp', '40'), 'whole.exr')
         self.submit('--spp', '40', '--parts', '3', '--dry-run', '-o', 'merged.exr')
-        for task in (3, 1, 2):
-            result = subprocess.run(['sh', 'cornell.shards.sh'], cwd=self.folder.name, stderr=subprocess.PIPE,
-                                    env={**os.environ, 'SLURM_ARRAY_TASK_ID': str(task)}, timeout=120, text=True)
-            self.assertEqual(result.returncode, 0, result.stderr)
-        result = subprocess.run(['sh', 'cornell.merge.sh'], cwd=self.folder.name, timeout=120)
-        self.assertEqual(result.returncode, 0)
+        self.run_tasks(3)
+        self.assertEqual(self.run_file('cornell.merge.sh').returncode, 0)
         merged = self.picture(['merge', *(f'cornell.{i}-of-3.part' for i in (1, 2, 3))], 'again.exr')
         self.assertEqual(merged, whole)
         self.assertEqual(self.layers('merged.exr'), self.layers('whole.exr'))
 
+    def test_the_merge_knows_its_parts(self):
+        """submit computes their hash without a device, and before an integrator is chosen."""
+        for arguments in (['--integrator', 'auto'], ['--integrator', 'bidir', '--aov', 'depth'],
+                          ['--aov', 'all', '--sampler', 'pcg', '--error-by', 'part'],
+                          ['--shard-by', 'tiles', '--adaptive', 'on', '--size', '4x32'],
+                          ['--device', '0,0', '--env', 'sky:elevation=30', '--seed', '7']):
+            with self.subTest(arguments):
+                self.setUp()
+                self.submit('--spp', '48', '--parts', '2', '--dry-run', '-q', '-o', 'a.exr', *arguments)
+                self.run_tasks(2)
+                result = self.run_file('cornell.merge.sh')
+                self.assertEqual(result.returncode, 0, result.stderr)
+                # The array may be submitted again.
+                self.submit('--spp', '48', '--parts', '2', '--dry-run', '-q', '-o', 'a.exr', *arguments)
+
+    def test_parts_of_an_earlier_render_are_refused(self):
+        earlier = ('--spp', '8', '--parts', '2', '--dry-run', '-q', '-o', 'a.exr')
+        self.submit(*earlier)
+        self.run_tasks(2)
+        for arguments, message in ((['--seed', '2'], 'was made with --seed=0, but this render has 2'),
+                                   (['--spp', '16'], 'was made with --spp=8, but this render has 16'),
+                                   (['--shard-by', 'tiles', '--size', '20x32'], 'was made with --size=20x18')):
+            told = self.submit(*earlier, *arguments, code=2).stderr
+            self.assertIn('cornell.1-of-2.part: ' + message, told)
+            self.assertIn('expected no parts of another render: remove them, or submit from another folder', told)
+        # Parts that appear after the submission.
+        for arguments in (['--seed', '2'], ['--spp', '16']):
+            os.mkdir(self.path('hidden'))
+            for i in (1, 2):
+                os.rename(self.path(f'cornell.{i}-of-2.part'), self.path(f'hidden/{i}'))
+            self.submit(*earlier, '-o', 'z.exr', *arguments)
+            for i in (1, 2):
+                os.rename(self.path(f'hidden/{i}'), self.path(f'cornell.{i}-of-2.part'))
+            os.rmdir(self.path('hidden'))
+            self.run_tasks(2, code=2)
+            result = self.run_file('cornell.merge.sh')
+            self.assertEqual(result.returncode, 2)
+            self.assertIn('cornell.1-of-2.part: is a part of another render, or of another number of samples',
+                          result.stderr)
+            self.assertNotIn('z.exr', os.listdir(self.folder.name))
+        self.write('cornell.2-of-2.part', b'nothing')
+        self.assertIn('cornell.2-of-2.part', self.submit(*earlier, code=2).stderr)
+
+    def test_parts_of_other_scenes_are_not_taken(self):
+        with open(os.path.join(SCENES, 'cornell.json'), 'rb') as file:
+            scene = file.read()
+        stems = ('room', 'room.night', 'room.1', '-room', '--my room')
+        for seed, stem in enumerate(stems):
+            self.write(stem + '.json', scene)
+            told = self.run_one('submit', '--size', '8x8', '--spp', '24', '--parts', '12', '--seed', str(seed), '-o',
+                                f'./{stem}.exr', '--dry-run', '--', stem + '.json')
+            self.assertEqual(told.returncode, 0, told.stderr)
+        for stem in stems:
+            self.run_tasks(12, './' + stem)
+        for stem in stems:
+            result = self.run_file(f'./{stem}.merge.sh')
+            self.assertEqual(result.returncode, 0, result.stderr)
+        status, = re.findall('^status    lampyris (.*)$', told.stdout, re.MULTILINE)
+        self.assertEqual(status, "merge --status ./'--my room'.[0-9][0-9]-of-12.part")
+        result = subprocess.run(f'{shlex.quote(LAMPYRIS)} {status}', shell=True, cwd=self.folder.name, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('complete  all 24 samples per pixel\n', result.stdout)
+
     def test_what_sbatch_answers(self):
         path = self.fake_sbatch('echo "$@" >> calls; echo "$((40 + $(wc -l < calls)));north"')
         result = self.submit('--spp', '40', '--parts', '2', **path)
-        self.assertIn('shards    job 41;north, 2 of them: cornell.*-of-2.part\n', result.stdout)
+        self.assertIn('shards    job 41;north, 2 of them: cornell.[0-9]-of-2.part\n', result.stdout)
         self.assertIn('queue     squeue --job 41,42\n', result.stdout)
         self.assertEqual(self.read('calls').decode().splitlines(), [
             '--parsable cornell.shards.sh', '--parsable --dependency=afterany:41 cornell.merge.sh'])
@@ -88,6 +157,13 @@ class Files(Shards):
                 (['--parts', '3', '--spp', '4'], 'expected at most 2 shards'),
                 (['--parts', '2', '--error', '1'], 'has no option --error'),
                 (['--parts', '2', '--halves', 'contiguous'], '--shard cannot be combined with --halves'),
+                (['--parts', '2', '--integrator', 'bidir', '--aov', 'all'], 'bidir cannot have the layers'),
+                (['--parts', '2', '--integrator', 'bidir', '--error-by', 'part'], 'bidir cannot have the layers'),
+                (['--parts', '1', '--integrator', 'bidir', '--shard-by', 'tiles', '--adaptive', 'on', '--spp', '48'],
+                 'bidir cannot have --adaptive'),
+                (['--parts', '2', '--split-lobes', '2', '--directions', 'cosine'], 'needs --directions bsdf'),
+                (['--parts', '1', '--shard-by', 'tiles', '--adaptive', 'on', '--spp', '48', '--device', '0,1'],
+                 'several devices (--device)'),
                 (['--parts', '2', '--resume'], 'has no option --resume'),
                 (['--parts', '2', '--slurm', 'a\nb'], '--slurm: has a line break')):
             self.assertIn(message, self.submit('--dry-run', *arguments, code=2).stderr)

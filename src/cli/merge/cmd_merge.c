@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "cli/merge/leftovers.h"
 #include "cli/outputs.h"
+#include "job/expected.h"
 #include "job/merge.h"
 #include "render/adaptive.h"
 #include "report/json_out.h"
@@ -389,7 +390,9 @@ static int show_status(const struct options *options)
     struct lacking lacking = {0};
     struct err err = {0};
     int code = EXIT_CODE_OK;
-    if (!merge_open(&params, &merge, &err) || !find_lacking(&merge, &lacking, &err)) {
+    if (!merge_open(&params, &merge, &err) ||
+        !expected_check_parts(&merge, options->merge.expected, &err) ||
+        !find_lacking(&merge, &lacking, &err)) {
         code = command_fail(&err);
     } else {
         if (options->json)
@@ -418,7 +421,8 @@ static bool merge_parts(struct merge *merge, const struct options *options, bool
     if (kept && file_exists(kept))
         return err_set(err, ERR_INPUT, "--checkpoint %s: exists already; expected another name",
                        kept);
-    if ((kept && !file_check_writable(kept, err)) || !merge_open(&params, merge, err))
+    if ((kept && !file_check_writable(kept, err)) || !merge_open(&params, merge, err) ||
+        !expected_check_parts(merge, options->merge.expected, err))
         return false;
     for (uint32_t i = 0; i < options->render.output_count; i++)
         if (!outputs_check_one(options->render.outputs[i], err) ||

@@ -45,7 +45,7 @@
 
 #define MERGE                                                                                      \
     "%s%s%s"                                                                                       \
-    "exec %s merge %s%s\n"
+    "exec %s merge --expect %s %s%s\n"
 
 static const char *quote(struct arena *arena, const char *word)
 {
@@ -56,7 +56,7 @@ static const char *quote(struct arena *arena, const char *word)
 }
 
 // Returns the scene's name without its extension. Names of parts begin with it, too
-// (shard_settle()).
+// (shard_default_part()).
 static const char *stem_of(struct arena *arena, const struct options *options)
 {
     const char *name = path_name(options->arguments[0]), *extension = path_extension(name);
@@ -92,12 +92,27 @@ static const char *render_words(struct arena *arena, const struct options *optio
                         line + strlen("lampyris"), command + strlen(" submit"));
 }
 
+// Returns a pattern that matches the names of all parts (shard_default_part()), but no part of
+// another scene: the numbers of all parts have equally many digits.
+static const char *pattern_of_parts(struct arena *arena, const char *stem, uint32_t count)
+{
+    const char *quoted = quote(arena, stem), *digits = "";
+    for (uint32_t left = count; left > 0 && digits; left /= 10)
+        digits = arena_printf(arena, "%s[0-9]", digits);
+    if (!quoted || !digits)
+        return NULL;
+    return arena_printf(arena, "%s%s.%s-of-%u.part", options_folder_of(stem), quoted, digits,
+                        count);
+}
+
 static const char *output_words(struct arena *arena, const struct options *options)
 {
     const char *words = "";
     for (uint32_t i = 0; words && i < options->render.output_count; i++) {
         const char *name = quote(arena, options->render.outputs[i]);
-        words = name ? arena_printf(arena, "%s -o %s", words, name) : NULL;
+        words = name ? arena_printf(arena, "%s -o %s%s", words,
+                                    options_folder_of(options->render.outputs[i]), name)
+                     : NULL;
     }
     return words;
 }
@@ -120,7 +135,8 @@ static bool write_one(const char *path, const char *text, struct err *err)
     return ok && file_write_atomic(path, text, strlen(text), err);
 }
 
-bool batch_files_write(const struct options *options, struct batch_files *out, struct err *err)
+bool batch_files_write(const struct options *options, const char *hash, struct batch_files *out,
+                       struct err *err)
 {
     *out = (struct batch_files){0};
     struct arena *arena = &out->arena;
@@ -131,15 +147,15 @@ bool batch_files_write(const struct options *options, struct batch_files *out, s
                        "one line");
     const uint32_t count = options->submit.parts;
     const char *stem = stem_of(arena, options), *name = plain_name(arena, stem);
-    const char *quoted = quote(arena, stem), *program = own_program(arena);
+    const char *program = own_program(arena);
     const char *render = render_words(arena, options), *outputs = output_words(arena, options);
     const char *by = options->render.shard_by == SHARD_BY_TILES ? " --shard-by tiles" : "";
     const char *before = *slurm ? "#SBATCH " : "", *after = *slurm ? "\n" : "";
-    if (!stem || !name || !quoted || !program || !render || !outputs)
+    if (!stem || !name || !program || !render || !outputs)
         return err_memory(err, "batch files", 4096);
-    out->parts = arena_printf(arena, "%s.*-of-%u.part", quoted, count);
-    out->shards = arena_printf(arena, "%s.shards.sh", stem);
-    out->merge = arena_printf(arena, "%s.merge.sh", stem);
+    out->parts = pattern_of_parts(arena, stem, count);
+    out->shards = arena_printf(arena, "%s%s.shards.sh", options_folder_of(stem), stem);
+    out->merge = arena_printf(arena, "%s%s.merge.sh", options_folder_of(stem), stem);
     const char *log_of_shards = arena_printf(arena, "%s.%%a-of-%u.log", name, count);
     const char *log_of_merge = arena_printf(arena, "%s.merge.log", name);
     const char *shards = log_of_shards
@@ -148,7 +164,7 @@ bool batch_files_write(const struct options *options, struct batch_files *out, s
                              : NULL;
     const char *merge = log_of_merge && out->parts
                             ? arena_printf(arena, HEAD MERGE, name, log_of_merge, before, slurm,
-                                           after, program, out->parts, outputs)
+                                           after, program, hash, out->parts, outputs)
                             : NULL;
     if (!out->shards || !out->merge || !shards || !merge)
         return err_memory(err, "batch files", 4096);

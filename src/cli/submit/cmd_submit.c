@@ -4,8 +4,12 @@
 #include "base/file_system.h"
 #include "base/process.h"
 #include "cli/outputs.h"
+#include "cli/render/render_devices.h"
+#include "cli/render/render_run.h"
 #include "cli/scene_options.h"
+#include "cli/shard.h"
 #include "cli/submit/batch_files.h"
+#include "job/expected.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include <stdio.h>
@@ -23,16 +27,35 @@ struct submission {
 
 // --- checks --------------------------------------------------------------------------------------
 
-// Refuses settings that a shard would refuse, before the job waits in a queue. Needs no device.
-static bool check_render(const struct options *options, struct err *err)
+// Refuses files that have the names of the parts but belong to another render. A shard would refuse
+// to continue from them, and the merge would take them for its parts.
+static bool check_parts(const struct options *options, struct job *job, struct err *err)
+{
+    struct job_shard shard = job->params.shard;
+    bool ok = true;
+    for (shard.index = 1; ok && shard.index <= shard.count; shard.index++) {
+        struct arena arena = {0};
+        const char *part = shard_default_part(options, &shard, &arena);
+        ok = part ? expected_check_file(job, part, err)
+                  : err_memory(err, "the name of a part", strlen(options->arguments[0]));
+        arena_finish(&arena);
+    }
+    return ok;
+}
+
+// Refuses what a shard would refuse, before the job waits in a queue, and computes the hash of the
+// render. Needs no device, so limits of the device are not checked.
+static bool check_render(const struct options *options, char hash[EXPECTED_HASH_BYTES],
+                         struct err *err)
 {
     struct scene scene = {0};
     struct gpu gpu = {0};
     struct job job = {0};
+    struct crew several = {0};
     uint32_t camera;
-    if (!options_load_scene(&options->scene, options->progress, &scene, &camera, err))
+    if (!render_load_scene(options, &scene, &camera, err))
         return false;
-    const struct job_params params = {
+    struct job_params params = {
         .renderer = options_renderer_params(&options->device, &gpu, &scene, camera),
         .scene = &scene,
         .goal = {.samples = options_given(options, OPTION_SPP) ? options->scene.settings.spp : 0,
@@ -40,8 +63,13 @@ static bool check_render(const struct options *options, struct err *err)
         .shard = {.index = 1,
                   .count = options->submit.parts,
                   .by_tiles = options->render.shard_by == SHARD_BY_TILES},
+        .crew = render_devices_count(options->device.gpu.device) > 1 ? &several : NULL,
+        .chooses_integrator = true,
+        .progress = options->progress,
     };
-    bool ok = job_init(&params, &job, err);
+    params.renderer.aovs = options->render.aovs | options->error_by;
+    bool ok = job_init(&params, &job, err) && job_check_renderer(&job, err) &&
+              expected_hash(&job, hash, err) && check_parts(options, &job, err);
     job_finish(&job);
     scene_finish(&scene);
     return ok;
@@ -175,10 +203,11 @@ int cmd_submit(const struct options *options)
 {
     struct submission submission = {0};
     struct err err = {0};
+    char hash[EXPECTED_HASH_BYTES];
     bool ok = options->submit.parts > 0 ||
               err_set(&err, ERR_USAGE, "submit needs --parts N, the number of shards");
-    ok = ok && check_outputs(options, &err) && check_render(options, &err) &&
-         batch_files_write(options, &submission.files, &err) &&
+    ok = ok && check_outputs(options, &err) && check_render(options, hash, &err) &&
+         batch_files_write(options, hash, &submission.files, &err) &&
          (options->submit.dry_run || submit_both(&submission, &err));
     progress_end(options->progress);
     int code = ok ? print(&submission, options) : command_fail(&err);
