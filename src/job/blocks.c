@@ -2,7 +2,8 @@
 // next checkpoint, each other rank saves its film beside the last checkpoint, as a part (merge.h).
 // Such a film has blocks of samples with gaps. The next run adds these files, renders the samples
 // between the blocks, and then continues as from a checkpoint. Sums of samples do not depend on
-// their order, so the bits are those of one run.
+// their order, so the bits are those of one run. A file that cannot be added is renamed, so that it
+// is neither replaced nor removed.
 #include "job/job_internal.h"
 
 #include "base/file.h"
@@ -11,11 +12,13 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "shared/aov.h"
+#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MARK ".blocks-"
+#define UNUSED_MARK ".unused-blocks-" // in the names of files that were not added
 
 // --- the samples of a film -----------------------------------------------------------------------
 
@@ -123,8 +126,9 @@ static bool parse_name(const char *name, const char *checkpoint, uint64_t *first
     if (strncmp(name, checkpoint, length) != 0 || strncmp(name + length, MARK, strlen(MARK)) != 0)
         return false;
     name += length + strlen(MARK);
-    *first = *name >= '0' && *name <= '9' ? strtoull(name, &end, 10) : 0;
-    return *name >= '0' && *name <= '9' && *end == '\0';
+    const bool is_number = *name >= '0' && *name <= '9' && (*name != '0' || name[1] == '\0');
+    *first = is_number ? strtoull(name, &end, 10) : 0;
+    return is_number && *end == '\0';
 }
 
 // Lists the files of saved blocks. If the folder cannot be read, the list is empty.
@@ -145,12 +149,27 @@ static void list_files(const char *path, struct arena *arena, struct firsts *out
     folder_close(reader);
 }
 
+bool job_check_no_blocks(const char *path, struct err *err)
+{
+    struct arena arena = {0};
+    struct firsts firsts = {0};
+    list_files(path, &arena, &firsts);
+    const bool is_free = firsts.count == 0;
+    if (!is_free)
+        err_set(err, ERR_INPUT,
+                "%s" MARK "%" PRIu64 ": exists already, with samples that a rank of a lost run has "
+                "saved; expected --resume, to continue from it, or another name",
+                path, firsts.list[0]);
+    arena_finish(&arena);
+    return is_free;
+}
+
 void job_remove_blocks(const struct job *job)
 {
     const struct job_checkpoint_params *params = &job->params.checkpoint;
     struct arena arena = {0};
     struct firsts firsts = {0};
-    if (!params->resume && !job->params.crew)
+    if (!job->removes_blocks)
         return;
     list_files(params->path, &arena, &firsts);
     for (uint32_t i = 0; i < firsts.count; i++) {
@@ -192,11 +211,13 @@ static bool read_film(struct job *job, struct checkpoint *c, char *records, bool
     return true;
 }
 
-static bool fail_late(struct job *job, const char *path, uint64_t end, struct err *err)
+// Leaves out a file of this render. It is removed when a checkpoint has its samples.
+static bool leave_out_late(struct job *job, const char *path, uint64_t end)
 {
-    return err_set(err, ERR_INPUT,
-                   "%s: has samples up to %" PRIu64 ", but the film is needed at %" PRIu64 " first",
-                   path, end, job_next_stop(job));
+    log_warn("%s: has samples up to %" PRIu64 ", but the film is needed at %" PRIu64
+             " first; these samples are rendered again",
+             path, end, job_next_stop(job));
+    return true;
 }
 
 // The file of rank 0 has all samples of the checkpoint, and perhaps newer ones, so its film
@@ -218,7 +239,7 @@ static bool replace_base(struct job *job, struct checkpoint *c, const struct sam
     r->next_sample = ranges->list[0].end;
     if (end > job_next_stop(job)) {
         r->next_sample = before;
-        return fail_late(job, c->path, end, err);
+        return leave_out_late(job, c->path, end);
     }
     film.seed = r->frame.seed;
     film.emptied_at = r->emptied_at;
@@ -291,7 +312,7 @@ static bool take_file(struct job *job, const char *path, struct arena *arena, st
     } else if (ok && !samples_overlap(&job->held, &ranges, &common) &&
                !samples_overlap(&job->saved.ranges, &ranges, &common)) {
         ok = end <= job_next_stop(job) ? add_film(job, &c, &ranges, arena, err)
-                                       : fail_late(job, path, end, err);
+                                       : leave_out_late(job, path, end);
     }
     checkpoint_close(&c);
     return ok;
@@ -312,18 +333,38 @@ static bool can_have_blocks(struct job *job)
            job_check_divisible(job, JOB_BY_CREW, &why);
 }
 
+// Renames a file that cannot be added, because files of this run may get its name.
+static bool set_aside(const char *path, uint64_t first, const struct err *why, struct arena *arena,
+                      struct err *err)
+{
+    const char *from = arena_printf(arena, "%s" MARK "%" PRIu64, path, first);
+    const char *to = arena_printf(arena, "%s" UNUSED_MARK "%" PRIu64, path, first);
+    for (uint32_t i = 2; to && file_exists(to); i++)
+        to = arena_printf(arena, "%s" UNUSED_MARK "%" PRIu64 "-%u", path, first, i);
+    if (!from || !to)
+        return err_memory(err, "a path", strlen(path));
+    if (!file_rename(from, to))
+        return err_set(err, ERR_OUTPUT, "%s; it cannot be renamed to %s: %s", why->msg, to,
+                       strerror(errno));
+    log_warn("%s; these samples are rendered again, and the file is kept as %s", why->msg, to);
+    return true;
+}
+
 bool job_open_blocks(struct job *job, struct err *err)
 {
     const char *path = job->params.checkpoint.path;
     struct firsts firsts = {0};
     struct job_saved_blocks *saved = &job->saved;
+    if (path)
+        list_files(path, &saved->arena, &firsts);
+    // Files that are not looked at are kept. With none, all files will be those of this run.
+    job->removes_blocks = firsts.count == 0 || can_have_blocks(job);
     if (!can_have_blocks(job))
         return true;
     if (!job_hold_only(job, &(struct sample_range){job->samples_first, job->renderer.next_sample},
                        err))
         return false;
     const uint64_t before = count_samples(&job->held);
-    list_files(path, &saved->arena, &firsts);
     if (firsts.count > 0) // the file of rank 0 comes first
         qsort(firsts.list, firsts.count, sizeof *firsts.list, compare_firsts);
     for (uint32_t i = 0; i < firsts.count; i++) {
@@ -337,8 +378,8 @@ bool job_open_blocks(struct job *job, struct err *err)
             *err = failure;
             return false;
         }
-        if (!ok)
-            log_warn("%s; these samples are rendered again", failure.msg);
+        if (!ok && !set_aside(path, firsts.list[i], &failure, &saved->arena, err))
+            return false;
     }
     const uint64_t found = count_samples(&job->held) + count_samples(&saved->ranges) - before;
     if (found == 0)

@@ -258,6 +258,7 @@ struct job {
     struct sample_ranges held; // all samples in the renderer's film
     uint32_t held_capacity;
     uint64_t held_saved; // number of samples in `held` when the film was saved last
+    bool removes_blocks; // all files of saved blocks belong to this render
     struct job_saved_blocks saved;
 
     // Records.

@@ -99,11 +99,13 @@ bool job_advance_crew_once(struct job *job, const struct job_step *step, struct 
 bool job_hold(struct job *job, const struct sample_range *block, struct err *err);
 // Makes `range` the only one in job->held; it may be empty.
 bool job_hold_only(struct job *job, const struct sample_range *range, struct err *err);
+// Fails with ERR_INPUT if ranks of a lost run have saved blocks beside the checkpoint at `path`.
+bool job_check_no_blocks(const char *path, struct err *err);
 // For a render that is resumed: reads the blocks that ranks of a lost run have saved.
 bool job_open_blocks(struct job *job, struct err *err);
 // Renders the samples between the saved blocks, and adds the blocks to the film.
 bool job_fill_blocks(struct job *job, struct err *err);
-// Removes saved blocks that are in the checkpoint.
+// Removes saved blocks of this render that are in the checkpoint.
 void job_remove_blocks(const struct job *job);
 
 // --- shard.c ---

@@ -39,11 +39,12 @@ bool job_checkpoint_open(struct job *job, struct err *err)
     if (!job_identity(job))
         return err_memory(err, "a checkpoint", CHECKPOINT_TEXT_MAX);
     if (!job->params.checkpoint.resume)
-        return !is_there(path) ||
-               err_set(
-                   err, ERR_INPUT,
-                   "%s: exists already; expected --resume, to continue from it, or another name",
-                   path);
+        return is_there(path)
+                   ? err_set(err, ERR_INPUT,
+                             "%s: exists already; expected --resume, to continue from it, or "
+                             "another name",
+                             path)
+                   : job_check_no_blocks(path, err);
     if (!is_there(path)) {
         log_warn("%s: does not exist: rendering begins anew", path);
         return true;

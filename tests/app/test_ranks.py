@@ -139,6 +139,12 @@ class Ends(Ranks):
                 self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(message, result.stderr)
 
+    def test_a_refusal_is_not_a_lost_rank(self):
+        self.write('ck', b'x')
+        result = self.run_ranks(3, *self.command('--spp', '200', '--checkpoint', 'ck', '-q', '-o', 'z.exr'))
+        self.assertIn('ck: exists already; expected --resume', result.stderr)
+        self.assertNotIn('if rank 0 was lost', result.stderr)
+
     def test_ranks_with_different_commands(self):
         command = self.command('-o', 'z.exr', '--spp', '40')
         one = ['-n', '1', LAMPYRIS, *command]
@@ -302,6 +308,22 @@ class Ends(Ranks):
         self.assertEqual(self.told(result, 'one.exr')[:2], one[:2])
         self.assertIn('these samples are rendered again', result.stderr)
         self.assertIn('seed', result.stderr)
+        self.assertEqual(self.saved_blocks(), [])
+        kept = [name.replace('ck.blocks', 'ck.unused-blocks') for name in names]
+        self.assertTrue(set(kept) <= set(os.listdir(self.folder.name)), os.listdir(self.folder.name))
+        self.assertEqual(self.read(kept[-1]), damaged)
+
+    def test_saved_blocks_need_resume(self):
+        """A run without --resume, of ranks or of one process, is refused and changes no file."""
+        self.write('ck.blocks-0', b'x')
+        self.write('ck.blocks-64', b'y')
+        command = self.command('--spp', '200', '--checkpoint', 'ck', '--checkpoint-every', '0', '-o', 'z.exr', '-q')
+        self.refuse('exists already, with samples that a rank of a lost run has saved; expected --resume', *command)
+        self.assertIn('expected --resume', self.run_ranks(3, *command).stderr)
+        self.assertEqual((self.read('ck.blocks-0'), self.read('ck.blocks-64')), (b'x', b'y'))
+        adaptive = self.command('--spp', '64', '--adaptive', 'on', '--checkpoint', 'ck', '--resume', '-q', '-o', 'a.exr')
+        self.succeed(*adaptive) # it cannot have such files, and leaves them
+        self.assertEqual((self.read('ck.blocks-0'), self.read('ck.blocks-64')), (b'x', b'y'))
 
     def test_a_lost_rank_loses_little(self):
         """Checkpoints come by themselves, so often that a rank that is lost, be it the one that writes them, takes
