@@ -1,5 +1,6 @@
 #include "base/file_lock.h"
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/file_handle.h"
 #include "base/file_system.h"
@@ -10,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define PAUSE_SECONDS 0.05 // time between two attempts to take a lock
 
 static bool fail(struct err *err, const char *output, const char *action)
 {
@@ -38,10 +41,25 @@ static char *lock_path(const char *output, struct err *err)
     return out;
 }
 
-static bool take(struct file_lock *lock, const char *output, struct err *err)
+// Tries to lock until another holder has released the lock, for at most `seconds`.
+static int lock_within(const char *path, const char *output, double seconds, bool *is_locked)
+{
+    const uint64_t start = clock_ns();
+    for (bool is_told = false;; is_told = true) {
+        const int handle = file_handle_lock(path, is_locked);
+        if (handle >= 0 || errno != EWOULDBLOCK || clock_seconds_since(start) >= seconds)
+            return handle;
+        if (!is_told)
+            log_warn("%s: is being written by another run; waiting up to %.0f s for its end",
+                     output, seconds);
+        clock_sleep(PAUSE_SECONDS);
+    }
+}
+
+static bool take(struct file_lock *lock, const char *output, double seconds, struct err *err)
 {
     bool is_locked;
-    lock->handle = file_handle_lock(lock->path, &is_locked);
+    lock->handle = lock_within(lock->path, output, seconds, &is_locked);
     if (lock->handle < 0 && errno == EWOULDBLOCK)
         return err_set(err, ERR_OUTPUT,
                        "%s: is being written by another run, or named twice by this one; "
@@ -62,11 +80,17 @@ static void forget(struct file_lock *lock)
 
 bool file_lock_take(struct file_lock *lock, const char *output, struct err *err)
 {
+    return file_lock_take_within(lock, output, 0.0, err);
+}
+
+bool file_lock_take_within(struct file_lock *lock, const char *output, double seconds,
+                           struct err *err)
+{
     *lock = (struct file_lock){.handle = -1};
     if (file_is_special(output))
         return true;
     lock->path = lock_path(output, err);
-    if (lock->path && take(lock, output, err))
+    if (lock->path && take(lock, output, seconds, err))
         return true;
     forget(lock);
     return false;

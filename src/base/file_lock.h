@@ -16,6 +16,9 @@ struct file_lock {
 // Fails at once with ERR_OUTPUT when another holder, in this process or another, has the lock of
 // the same output. Devices, pipes and files on systems without locks are not locked.
 bool file_lock_take(struct file_lock *lock, const char *output, struct err *err);
+// Waits up to `seconds` for another holder, and says so, before it fails.
+bool file_lock_take_within(struct file_lock *lock, const char *output, double seconds,
+                           struct err *err);
 // Removes the hidden file that a killed process has left next to the output, unless it is locked.
 void file_lock_remove_stale(const char *output);
 // Removes the hidden file. Accepts NULL and {0}.

@@ -24,7 +24,7 @@ static int run_ranks(const struct options *options)
         code = render_with_ranks(options, &ranks);
     if (code != EXIT_CODE_OK) {
         fflush(stdout);
-        ranks_abort(code);
+        ranks_abort(&ranks, code);
     }
     ranks_close(&ranks);
     return code;

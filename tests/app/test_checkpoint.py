@@ -230,7 +230,25 @@ class Checkpoints(unittest.TestCase):
             first.kill()
             first.communicate()
         self.assertEqual(result.returncode, 4)
-        self.assertIn('is being written by another run', result.stderr)
+        self.assertIn('is being written by another run; waiting up to 5 s for its end', result.stderr)
+        self.assertIn('is being written by another run, or named twice', result.stderr)
+
+    def test_a_run_waits_for_the_end_of_the_one_it_continues(self):
+        first = subprocess.Popen(self.command('--spp', '100M', *self.checkpoint()), stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE)
+        self.addCleanup(lambda: first.poll() is None and first.kill())
+        while not os.path.exists(self.path('c')):
+            self.assertIsNone(first.poll())
+            time.sleep(0.05)
+        second = subprocess.Popen(self.command('--spp', '100M', '--time', '0.001', '--resume', *self.checkpoint()),
+                                  text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(lambda: second.poll() is None and second.kill())
+        self.assertIn('waiting up to 5 s', second.stderr.readline())
+        first.kill()
+        first.communicate()
+        stdout, stderr = second.communicate(timeout=60)
+        self.assertEqual(second.returncode, 0, stderr)
+        self.assertEqual(json.loads(stdout)['ended_by'], 'time')
 
     def test_a_missing_file_is_a_beginning(self):
         result = self.run_one('--spp', '4', '--resume', *self.checkpoint())

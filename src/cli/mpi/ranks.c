@@ -16,13 +16,17 @@ enum { TAG_ORDER = 1, TAG_DONE };
 // Time after which the other processes print the message of the first one, too, if the program that
 // started them has not ended them.
 #define MISMATCH_SECONDS 2.0
+// Time in which a message arrives whose sender has ended. Open MPI kills ranks a second after
+// SIGTERM.
+#define ABORT_SECONDS 0.2
 
 struct ranks_context {
     struct render_ranks *ranks;
     const struct options *options;
     MPI_Comm comm, local;    // all ranks, and those of this machine
     struct rank_card *cards; // on rank 0: the cards of all ranks
-    bool is_told;            // the message about a stop was printed
+    bool is_told;            // the message about a stop was printed, or is not needed
+    uint64_t sigterm_ns;     // on a worker: when SIGTERM was first noticed; 0: not yet
 };
 
 // --- films ---------------------------------------------------------------------------------------
@@ -186,13 +190,15 @@ static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_fil
 
 // After a rank was lost, mpirun sends SIGTERM to all remaining ranks before it kills them. This
 // rank then saves its blocks. If rank 0 was lost, rank 1 prints how to continue; otherwise rank 0
-// does.
+// does, unless it has failed and printed the reason. Then RANK_IS_ABORTED may arrive after SIGTERM.
 static void mention_lost_leader(struct ranks_context *c)
 {
     if (!signals_received_sigterm())
         return;
     render_ranks_save(c->ranks);
-    if (c->is_told || c->ranks->rank != 1)
+    if (c->sigterm_ns == 0)
+        c->sigterm_ns = clock_ns();
+    if (c->is_told || c->ranks->rank != 1 || clock_seconds_since(c->sigterm_ns) < ABORT_SECONDS)
         return;
     c->is_told = true;
     if (c->options->render.checkpoint)
@@ -203,10 +209,8 @@ static void mention_lost_leader(struct ranks_context *c)
             c->options->command_line, c->options->render.resume ? "" : " --resume");
 }
 
-static bool next(void *context, struct rank_order *out, struct err *err)
+static void wait_for_order(struct ranks_context *c, struct rank_order *out)
 {
-    (void)err;
-    struct ranks_context *c = context;
     MPI_Request request;
     int is_done = 0;
     MPI_Irecv(out, sizeof *out, MPI_BYTE, 0, TAG_ORDER, c->comm, &request);
@@ -215,6 +219,15 @@ static bool next(void *context, struct rank_order *out, struct err *err)
         clock_sleep(PAUSE_SECONDS);
     }
     MPI_Wait(&request, MPI_STATUS_IGNORE);
+}
+
+static bool next(void *context, struct rank_order *out, struct err *err)
+{
+    (void)err;
+    struct ranks_context *c = context;
+    // After RANK_IS_ABORTED, mpirun ends this rank.
+    while (wait_for_order(c, out), out->kind == RANK_IS_ABORTED)
+        c->is_told = true;
     return true;
 }
 
@@ -348,8 +361,25 @@ void ranks_close(struct render_ranks *ranks)
     *ranks = (struct render_ranks){0};
 }
 
-void ranks_abort(int code)
+// Workers may not wait for an order, so this does not wait for them.
+static void tell_abort(struct ranks_context *c)
 {
+    const struct rank_order order = {.kind = RANK_IS_ABORTED};
+    const uint64_t start = clock_ns();
+    const int count = (int)c->ranks->crew.count;
+    MPI_Request *requests = calloc((size_t)count, sizeof *requests);
+    int are_sent = requests == NULL;
+    for (int i = 0; requests && i < count; i++)
+        MPI_Isend(&order, sizeof order, MPI_BYTE, i + 1, TAG_ORDER, c->comm, &requests[i]);
+    while (!are_sent && clock_seconds_since(start) < ABORT_SECONDS)
+        MPI_Testall(count, requests, &are_sent, MPI_STATUSES_IGNORE);
+    free(requests);
+}
+
+void ranks_abort(const struct render_ranks *ranks, int code)
+{
+    if (ranks->context && ranks->rank == 0 && ranks->crew.count > 0)
+        tell_abort(ranks->context);
     MPI_Abort(MPI_COMM_WORLD, code);
     abort(); // MPI_Abort does not return
 }

@@ -64,6 +64,16 @@ static bool list_locks(struct render_run *run, struct err *err)
     return true;
 }
 
+// A run with --resume waits this long for the end of the run that it continues: ranks live for a
+// moment after mpirun has ended.
+#define RESUME_WAIT_SECONDS 5.0
+
+static bool take_lock(struct render_run *run, uint32_t i, const char *output, struct err *err)
+{
+    const double seconds = run->options->render.resume ? RESUME_WAIT_SECONDS : 0.0;
+    return file_lock_take_within(&run->locks[i], output, seconds, err);
+}
+
 bool render_check_outputs(struct render_run *run, struct err *err)
 {
     run->outputs = run->options->render.outputs;
@@ -83,12 +93,12 @@ bool render_check_outputs(struct render_run *run, struct err *err)
         return err_memory(err, "locks", run->lock_count * sizeof *run->locks);
     for (uint32_t i = 0; i < run->output_count; i++) {
         const char *output = run->outputs[i];
-        if (!outputs_check_one(output, err) || !file_lock_take(&run->locks[i], output, err))
+        if (!outputs_check_one(output, err) || !take_lock(run, i, output, err))
             return false;
     }
     for (uint32_t i = 0; i < 2; i++)
         if (others[i] && (!file_check_writable(others[i], err) ||
-                          !file_lock_take(&run->locks[run->output_count + i], others[i], err)))
+                          !take_lock(run, run->output_count + i, others[i], err)))
             return false;
     return list_locks(run, err);
 }

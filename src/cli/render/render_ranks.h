@@ -13,7 +13,12 @@ struct rank_card {
     uint8_t memory_id[16]; // see struct gpu_device_info
 };
 
-enum rank_order_kind { RANK_RENDERS, RANK_GIVES_FILM, RANK_ENDS };
+enum rank_order_kind {
+    RANK_RENDERS,
+    RANK_GIVES_FILM,
+    RANK_ENDS,
+    RANK_IS_ABORTED, // rank 0 has failed with a message of its own; next() does not return this
+};
 struct rank_order {
     enum rank_order_kind kind;
     struct sample_range block;
