@@ -73,3 +73,28 @@ void printable_mask(char *text)
     }
     *to = '\0';
 }
+
+// Copies a text; returns the end of the copy.
+static char *put(char *out, const char *text)
+{
+    size_t length = strlen(text);
+    memcpy(out, text, length + 1);
+    return out + length;
+}
+
+char *printable_quote(const char *word, char *out)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_@%+=:,./-";
+    bool is_plain = *word && word[strspn(word, plain)] == '\0';
+    if (is_plain)
+        return put(out, word);
+    *out++ = '\'';
+    for (; *word; word++) {
+        if (*word == '\'')
+            out = put(out, "'\\'"); // closes the quote, adds an escaped one, and the next quote
+                                    // opens again
+        *out++ = *word;
+    }
+    return put(out, "'");
+}

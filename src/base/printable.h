@@ -16,4 +16,8 @@ void printable_mask(char *text);
 // printable_mask() keeps it.
 size_t printable_character(const char *text, bool *stays);
 
+// Quotes a word for a shell. Returns the end of the output. `out` must have room for 4 bytes per
+// byte of the word, plus 3.
+char *printable_quote(const char *word, char *out);
+
 #endif

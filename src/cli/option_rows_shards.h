@@ -39,7 +39,7 @@
         .name = "status", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
         .common = FOR_MERGE, .brief = "List the samples of the parts, and merge nothing.",
         .help = "Print which samples each part has, which samples are missing, and the commands that "
-                "render them. Merge nothing. Only the headers of the parts are read and verified by "
+                "render them; with --json, all of them. Merge nothing. Only the headers of the parts are read and verified by "
                 "their hashes, not the films. Exit with 1 if samples are missing.",
         FIELD(merge.status),
     },

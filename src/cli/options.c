@@ -1,6 +1,7 @@
 #include "cli/options.h"
 
 #include "base/file.h"
+#include "base/printable.h"
 #include "base/suggest.h"
 #include "cli/commands.h"
 #include "cli/shard.h"
@@ -376,29 +377,9 @@ static bool allocate_lists(struct options *options, int argc, struct err *err)
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
 
-// Copies a text; returns the end of the copy.
-static char *put(char *out, const char *text)
-{
-    size_t length = strlen(text);
-    memcpy(out, text, length + 1);
-    return out + length;
-}
-
 char *options_quote(const char *word, char *out)
 {
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                "_@%+=:,./-";
-    bool is_plain = *word && word[strspn(word, plain)] == '\0';
-    if (is_plain)
-        return put(out, word);
-    *out++ = '\'';
-    for (; *word; word++) {
-        if (*word == '\'')
-            out = put(out, "'\\'"); // closes the quote, adds an escaped one, and the next quote
-                                    // opens again
-        *out++ = *word;
-    }
-    return put(out, "'");
+    return printable_quote(word, out);
 }
 
 const char *options_folder_of(const char *name)
@@ -460,7 +441,7 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
     char *line = ARENA_NEW(arena, char, size);
     if (!line)
         return NULL;
-    char *end = put(line, "lampyris");
+    char *end = options_quote("lampyris", line);
     bool only_arguments = false;
     for (int i = 1, next; i < argc; i = next) {
         const struct option_def *def = only_arguments ? NULL : find_written(argv[i]);

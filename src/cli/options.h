@@ -397,8 +397,7 @@ bool options_have_sequence(const struct options *options);
 // Returns whether an output is the video of a sequence, by its extension.
 bool output_is_video(const char *path);
 
-// Quotes a word for a shell. Returns the end of the output. `out` must have room for 4 bytes per
-// byte of the word, plus 3.
+// Quotes a word for a shell, as printable_quote() does.
 char *options_quote(const char *word, char *out);
 // Returns "./" for the name of a file that begins with '-', and otherwise "". With it in front, no
 // program takes the name for an option.

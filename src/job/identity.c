@@ -64,19 +64,41 @@ static void add_camera(struct text *text, const struct job *job)
         c->focus_distance, c->lens_blades, c->lens_rotation);
 }
 
-// Adds the devices of a crew, all of them if their bits may differ.
-static void add_device(struct text *text, const struct job *job)
+// Returns the names of all different devices of a crew.
+static const char *crew_names(const struct crew *crew, struct arena *arena)
+{
+    const char *names = JOB_SEVERAL_DEVICES;
+    for (uint32_t i = 0; names && i <= crew->count; i++) {
+        const struct crew_member *members = crew->members;
+        bool is_new = true;
+        for (uint32_t k = 0; k < i; k++)
+            is_new &= strcmp(members[k].device, members[i].device) != 0 ||
+                      strcmp(members[k].driver, members[i].driver) != 0;
+        if (is_new)
+            names = arena_printf(arena, "%s%s%s (%s)", names, i > 0 ? JOB_DEVICE_SEPARATOR : "",
+                                 members[i].device, members[i].driver);
+    }
+    return names;
+}
+
+struct job_device job_device(const struct job *job, struct arena *arena)
 {
     const struct crew *crew = job->params.crew;
-    const char *names = "several";
-    for (uint32_t i = 0; crew && !crew_is_uniform(crew) && names && i <= crew->count; i++)
-        names = arena_printf(text->arena, "%s, %s (%s)", names, crew->members[i].device,
-                             crew->members[i].driver);
-    if (!names)
+    const struct job_merged *merged = job->params.merged;
+    const char *names = merged ? merged->devices : NULL;
+    if (!names && (!crew || crew_is_uniform(crew)))
+        return (struct job_device){job->gpu->info.name, job->gpu->info.driver};
+    return (struct job_device){names ? names : crew_names(crew, arena), "several"};
+}
+
+static void add_device(struct text *text, const struct job *job)
+{
+    const struct job_device device = job_device(job, text->arena);
+    if (!device.name)
         text->so_far = NULL;
-    const bool is_one = !crew || crew_is_uniform(crew);
-    add(text, "device=%s", is_one ? job->gpu->info.name : names ? names : "");
-    add(text, "driver=%s", job->gpu->info.driver);
+    if (text->so_far) // add() would cut a long list of devices
+        text->so_far = arena_printf(text->arena, "%s" JOB_DEVICE_LINE "%s\n" JOB_DRIVER_LINE "%s\n",
+                                    text->so_far, device.name, device.driver);
 }
 
 static void add_environment(struct text *text, const struct environment *e)

@@ -86,6 +86,7 @@ struct job_merged {
     struct arena arena;    // owns the records
     const char *identity;  // identity of the parts, without their samples
     bool is_partial;       // samples are missing, so no --spp gives the same picture
+    const char *devices;   // names of all devices, if they or their drivers differ; otherwise NULL
     // With --adaptive: samples of each tile in a round; the film's `done` has those of all rounds.
     uint32_t *counts;
 };
@@ -441,6 +442,13 @@ void job_end_trace(struct job *job);
 // Returns everything that determines the samples, as lines of "name=value". Returns NULL when out
 // of memory. Needs the device.
 const char *job_identity(struct job *job);
+
+// The device and its driver. If the samples come from different devices or drivers, `name` is
+// "several devices: " with all names, and `driver` is "several".
+struct job_device {
+    const char *name, *driver; // `name` is NULL when out of memory
+};
+struct job_device job_device(const struct job *job, struct arena *arena);
 // Writes a checkpoint if params.checkpoint has a path.
 bool job_checkpoint_save(struct job *job, struct err *err);
 // Writes a checkpoint to `path`, whatever params.checkpoint is. Fails with ERR_USAGE as long as an

@@ -22,6 +22,12 @@ _Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
 // Lines that merge reads: the size of the picture, and the samples per pixel in a round.
 #define JOB_SIZE_LINE "--size="
 #define JOB_ROUND_LINE "samples a round="
+// Lines of the device and its driver. Samples of different devices, or of one with different
+// drivers, have the names of all of them, each with its driver, after JOB_SEVERAL_DEVICES.
+#define JOB_DEVICE_LINE "device="
+#define JOB_DRIVER_LINE "driver="
+#define JOB_SEVERAL_DEVICES "several devices: "
+#define JOB_DEVICE_SEPARATOR "; "
 // The line of the integrator.
 #define JOB_INTEGRATOR_LINE "--integrator="
 

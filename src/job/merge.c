@@ -3,6 +3,7 @@
 #include "base/file_inputs.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/printable.h"
 #include "job/job_internal.h"
 #include "shared/aov.h"
 #include <inttypes.h>
@@ -79,40 +80,53 @@ static bool find_samples(const struct checkpoint *c, const struct merge *merge, 
                : err_set(err, ERR_INPUT, "%s: holds samples of another shard", c->path);
 }
 
+const char *merge_resuming_command(const struct merge *merge, const struct merge_part *part,
+                                   struct arena *arena)
+{
+    const struct sample_range *range = &part->wanted.list[0];
+    char *path = ARENA_NEW(arena, char, 4 * strlen(part->path) + 3);
+    if (!path)
+        return NULL;
+    printable_quote(part->path, path);
+    return arena_printf(arena, "%s%s --shard %" PRIu64 ":%" PRIu64 " --checkpoint %s --resume",
+                        part->command, merge->by_tiles ? " --shard-by tiles" : "", range->first,
+                        range->end, path);
+}
+
 // Refuses a part whose pixels or halves have different numbers of samples: only its shard can
 // complete it.
 static bool check_even(const struct merge *merge, const struct checkpoint *c,
-                       const struct merge_part *part, struct err *err)
+                       const struct merge_part *part, struct arena *arena, struct err *err)
 {
     const struct film_copy film = checkpoint_film(c);
     const uint64_t end = part->wanted.list[part->wanted.count - 1].end;
-    const struct sample_range *range = &part->wanted.list[0];
-    if (merge->by_tiles)
-        return part->samples.count > 0 ||
-               err_set(err, ERR_INPUT,
-                       "%s: is not finished: its rows lack samples; first run: "
-                       "%s --shard-by tiles --shard %" PRIu64 ":%" PRIu64
-                       " --checkpoint %s --resume",
-                       c->path, c->command, range->first, range->end, c->path);
-    if (film.pass.position == 0 && (film.next_sample % 2 == 0 || film.next_sample == end))
+    if (merge->by_tiles
+            ? part->samples.count > 0
+            : film.pass.position == 0 && (film.next_sample % 2 == 0 || film.next_sample == end))
         return true;
-    return err_set(err, ERR_INPUT,
-                   "%s: is not finished: some pixels have more samples than others, or one half "
-                   "has more than the other; first run: %s --shard %" PRIu64 ":%" PRIu64
-                   " --checkpoint %s --resume",
-                   c->path, c->command, range->first, range->end, c->path);
+    const char *command = merge_resuming_command(merge, part, arena);
+    return command ? err_set(err, ERR_INPUT, "%s: is not finished: %s; first run: %s", c->path,
+                             merge->by_tiles ? "its rows lack samples"
+                                             : "some pixels have more samples than others, or one "
+                                               "half has more than the other",
+                             command)
+                   : err_memory(err, "a command", strlen(c->command));
 }
 
-// With `partial`, leaves out a part that check_even() refuses.
+// With `partial` or `only_look_at`, leaves out a part that check_even() refuses.
 static bool accept_unfinished(const struct merge *merge, const struct merge_params *params,
-                              const struct checkpoint *c, struct merge_part *part, struct err *err)
+                              const struct checkpoint *c, struct merge_part *part,
+                              struct arena *scratch, struct err *err)
 {
     struct err why = {0};
-    if (params->only_look_at || check_even(merge, c, part, params->partial ? &why : err))
+    if (check_even(merge, c, part, scratch, &why))
         return true;
-    if (!params->partial)
+    if (!(params->partial || params->only_look_at) || why.code != ERR_INPUT) {
+        *err = why;
         return false;
-    log_warn("%s; it is left out", why.msg);
+    }
+    if (!params->only_look_at)
+        log_warn("%s; it is left out", why.msg);
     part->samples.count = 0;
     part->is_left_out = true;
     return true;
@@ -162,7 +176,7 @@ static bool check_plan(const struct merge *merge, const struct checkpoint *c, st
 
 // --- parts that belong together ------------------------------------------------------------------
 
-static const char *const own_lines[] = {JOB_SHARD_LINE, "device=", "driver="};
+static const char *const own_lines[] = {JOB_SHARD_LINE, JOB_DEVICE_LINE, JOB_DRIVER_LINE};
 
 // Returns the lines of an identity that all parts must have in common.
 static const char *common_identity(const char *identity, bool mixed, struct arena *arena)
@@ -170,18 +184,31 @@ static const char *common_identity(const char *identity, bool mixed, struct aren
     return job_identity_without(identity, own_lines, mixed ? 3 : 1, arena);
 }
 
-static bool find_device(struct merge *merge, const struct checkpoint *c, bool mixed,
-                        uint32_t *index, uint32_t *capacity, struct err *err)
+// Returns whether a part has samples of devices or drivers that differ.
+static bool is_of_several(const char *device)
 {
-    const char *device = find_value(c->identity, "device=");
-    const char *driver = find_value(c->identity, "driver=");
-    const char *name = device && driver
-                           ? arena_printf(&merge->arena, "%.*s (%.*s)", value_length(device),
-                                          device, value_length(driver), driver)
-                           : "several devices";
-    if (!device && !mixed)
-        return err_set(err, ERR_INPUT, "%s: is a sum of parts of several devices; expected --mixed",
-                       c->path);
+    return strncmp(device, JOB_SEVERAL_DEVICES, strlen(JOB_SEVERAL_DEVICES)) == 0;
+}
+
+static bool check_device(const struct checkpoint *c, bool mixed, struct err *err)
+{
+    const char *device = find_value(c->identity, JOB_DEVICE_LINE);
+    if (!device || !find_value(c->identity, JOB_DRIVER_LINE))
+        return err_set(err, ERR_INPUT,
+                       "%s: does not name its device; expected a part of this build", c->path);
+    return mixed || !is_of_several(device) ||
+           err_set(err, ERR_INPUT, "%s: has samples of several devices; expected --mixed", c->path);
+}
+
+static bool find_device(struct merge *merge, const struct checkpoint *c, uint32_t *index,
+                        uint32_t *capacity, struct err *err)
+{
+    const char *device = find_value(c->identity, JOB_DEVICE_LINE);
+    const char *driver = find_value(c->identity, JOB_DRIVER_LINE);
+    const char *name = is_of_several(device)
+                           ? arena_printf(&merge->arena, "%.*s", value_length(device), device)
+                           : arena_printf(&merge->arena, "%.*s (%.*s)", value_length(device),
+                                          device, value_length(driver), driver);
     if (!name)
         return err_memory(err, "names of devices", 64);
     for (*index = 0; *index < merge->device_count; ++*index)
@@ -263,7 +290,7 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
         common_identity(c->identity, mixed, index == 0 ? &merge->arena : scratch);
     if (!identity || !part->command)
         return err_memory(err, "a part", strlen(c->identity));
-    if (!check_is_part(c, err))
+    if (!check_is_part(c, err) || !check_device(c, mixed, err))
         return false;
     if (index > 0 &&
         !checkpoint_compare(c->path, identity, merge->parts[0].path, merge->merged.identity, err))
@@ -272,9 +299,9 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
         !find_samples(c, merge, &merge->arena, part, err) || !check_film(c, merge, err))
         return false;
     struct sample_ranges joined;
-    if (!accept_unfinished(merge, params, c, part, err) || !check_plan(merge, c, err) ||
+    if (!accept_unfinished(merge, params, c, part, scratch, err) || !check_plan(merge, c, err) ||
         !check_overlaps(merge, part, index, err) ||
-        !(part->is_left_out || find_device(merge, c, mixed, &part->device, device_capacity, err)) ||
+        !(part->is_left_out || find_device(merge, c, &part->device, device_capacity, err)) ||
         !samples_join(&merge->samples, &part->samples, &merge->arena, &joined, err))
         return false;
     if (c->note[JOB_NOTE_AOVS] != merge->aovs)
@@ -292,6 +319,60 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
     }
     merge->all = merge->by_tiles ? merge->height : merge->planned;
     return true;
+}
+
+// Returns whether a list of names, separated by JOB_DEVICE_SEPARATOR, has this one.
+static bool has_name(const char *names, const char *name, size_t length)
+{
+    while (true) {
+        const char *end = strstr(names, JOB_DEVICE_SEPARATOR);
+        const size_t own = end ? (size_t)(end - names) : strlen(names);
+        if (own == length && strncmp(names, name, length) == 0)
+            return true;
+        if (!end)
+            return false;
+        names = end + strlen(JOB_DEVICE_SEPARATOR);
+    }
+}
+
+// Lists the names of all devices, also those in sums of parts. Leaves merged.devices NULL if there
+// is only one device.
+static bool list_devices(struct merge *merge, struct err *err)
+{
+    const char *list = "";
+    merge->name_count = 0;
+    for (uint32_t i = 0; list && i < merge->device_count; i++) {
+        const char *name = merge->devices[i].name;
+        name += is_of_several(name) ? strlen(JOB_SEVERAL_DEVICES) : 0;
+        while (list && *name) {
+            const char *end = strstr(name, JOB_DEVICE_SEPARATOR);
+            const size_t length = end ? (size_t)(end - name) : strlen(name);
+            if (!has_name(list, name, length)) {
+                list = arena_printf(&merge->arena, "%s%s%.*s", list,
+                                    *list ? JOB_DEVICE_SEPARATOR : "", (int)length, name);
+                merge->name_count++;
+            }
+            name += end ? length + strlen(JOB_DEVICE_SEPARATOR) : length;
+        }
+    }
+    if (list && merge->name_count > 1)
+        list = merge->merged.devices = arena_printf(&merge->arena, JOB_SEVERAL_DEVICES "%s", list);
+    return list || err_memory(err, "names of devices", 64);
+}
+
+// Completes the identity of the sum with its device, or with the names of all devices.
+static bool end_identity(struct merge *merge, struct err *err)
+{
+    struct job_merged *merged = &merge->merged;
+    if (!list_devices(merge, err))
+        return false;
+    if (merge->device_count == 1)
+        merged->identity = merge->own_identity;
+    else if (merge->device_count > 1)
+        merged->identity =
+            arena_printf(&merge->arena, "%s" JOB_DEVICE_LINE "%s\n" JOB_DRIVER_LINE "several\n",
+                         merged->identity, merged->devices);
+    return merged->identity || err_memory(err, "a sum of parts", CHECKPOINT_TEXT_MAX);
 }
 
 bool merge_open(const struct merge_params *params, struct merge *out, struct err *err)
@@ -312,9 +393,8 @@ bool merge_open(const struct merge_params *params, struct merge *out, struct err
         if (!ok)
             return false;
     }
-    // Parts of one device have its bits, also with `mixed`.
-    if (out->device_count == 1)
-        out->merged.identity = out->own_identity;
+    if (!end_identity(out, err))
+        return false;
     return out->samples.count > 0 || params->only_look_at ||
            err_set(err, ERR_INPUT, "%s: no part has a sample yet", params->paths[0]);
 }
@@ -428,12 +508,15 @@ static void measure_device(const struct merge *merge, const struct film_copy *fi
     for (uint64_t i = 0; i < pixels; i++) {
         uint32_t words[4 * FILM_WORDS];
         memcpy(words, film->records + i * record, sizeof words);
+        if (words[0] < 2) // a half is empty
+            return;
         double a = half_luminance(words, 0), b = half_luminance(words, 1);
         sum += 0.5 * (a + b);
         variance += 0.25 * (a - b) * (a - b);
     }
     device->mean = sum / (double)pixels;
     device->standard_error = sqrt(variance) / (double)pixels;
+    device->has_mean = true;
 }
 
 static bool add_devices(struct merge *merge, const struct progress *progress, char *block,

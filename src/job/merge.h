@@ -15,7 +15,7 @@ struct merge_params {
     const char *const *paths;
     uint32_t count;
     bool mixed;        // accepts parts of several devices and drivers
-    bool only_look_at; // accepts parts that were stopped within a pass; films cannot be added then
+    bool only_look_at; // as `partial`, without a warning; films cannot be added then
     bool partial;      // leaves out parts that were stopped within a pass, with a warning
 };
 
@@ -36,6 +36,7 @@ struct merge_device {
     const char *name; // names of the device and its driver
     uint32_t part_count;
     double mean, standard_error;
+    bool has_mean; // both halves of all pixels have samples
 };
 
 struct merge {
@@ -44,6 +45,7 @@ struct merge {
     uint32_t count;
     struct merge_device *devices;
     uint32_t device_count;
+    uint32_t name_count;          // number of different devices; sums of parts may have several
     const char *command;          // command of the part with the most planned samples
     bool by_tiles;                // each part has all samples of some rows
     struct sample_ranges samples; // the samples, or rows, of all parts together
@@ -66,6 +68,9 @@ struct merge {
 // if a file does not belong to the others, is not a part, is unfinished within a pass, or is
 // damaged; the message names the first such file. The caller must call merge_finish() in any case.
 bool merge_open(const struct merge_params *params, struct merge *out, struct err *err);
+// Returns the command that finishes a part with one range, for a shell. NULL: out of memory.
+const char *merge_resuming_command(const struct merge *merge, const struct merge_part *part,
+                                   struct arena *arena);
 // Reads the films and adds them. One film is in memory at a time, two with several devices. Damaged
 // files are logged as errors; after all files were read, it fails with ERR_INPUT.
 bool merge_add_films(struct merge *merge, const struct progress *progress, struct err *err);

@@ -127,7 +127,7 @@ bool job_settle_shard(struct job *job, struct err *err)
 
 bool job_check_merged(struct job *job, struct err *err)
 {
-    static const char *const names[] = {JOB_SHARD_LINE, "device=", "driver="};
+    static const char *const names[] = {JOB_SHARD_LINE, JOB_DEVICE_LINE, JOB_DRIVER_LINE};
     const struct job_merged *merged = job->params.merged;
     if (!merged)
         return true;
@@ -143,7 +143,7 @@ bool job_check_merged(struct job *job, struct err *err)
     else
         ok = checkpoint_compare("the sum of the parts", of_parts[1], "the present scene", of_job[1],
                                 err);
-    if (ok && strcmp(of_parts[0], of_job[0]) != 0)
+    if (ok && !merged->devices && strcmp(of_parts[0], of_job[0]) != 0)
         log_warn("%s (%s) is not the device, or not the driver, of the parts: it computes the "
                  "means from their sums, and may round them differently; expected --device",
                  job->gpu->info.name, job->gpu->info.driver);

@@ -171,8 +171,10 @@ bool metadata_make(const struct metadata_params *params, struct arena *arena, st
     // The path is copied, because the viewer may open another scene before the image is written.
     add_text(&a, "lampyris:scene", arena_strdup(arena, job->scene->path));
     add(&a, "lampyris:scene_hash", "%016" PRIx64, job->scene->hash);
-    add(&a, "lampyris:device", "%s", job->gpu->info.name);
-    add(&a, "lampyris:driver", "%s", job->gpu->info.driver);
+    const struct job_device device = job_device(job, arena);
+    a.failed |= device.name == NULL;
+    add_if_given(&a, "lampyris:device", device.name);
+    add(&a, "lampyris:driver", "%s", device.driver);
     if (params->frame > 0)
         add(&a, "lampyris:frame", "%u", params->frame);
     add_settings(&a, params);

@@ -323,6 +323,48 @@ class Missing(Shards):
         self.succeed(*shlex.split(command), '-q')
         self.succeed('merge', './--x.1-of-2.part', './--x.4-8.part', '-o', 'a.exr')
 
+    def test_all_commands(self):
+        """The first ones are printed, and all are in the JSON of the status."""
+        self.render('--spp', '400', '--shard', '0:2', '--checkpoint', 'a')
+        stderr = self.refuse('and 135 more commands of this kind, all of which merge --status --json prints', 'merge', 'a',
+                             '-o', 'z.exr')
+        commands = json.loads(self.run_one('merge', '--status', '--json', 'a').stdout)['commands']
+        self.assertEqual(len(commands), 199)
+        self.assertEqual(re.findall('^lampyris render .*$', stderr, re.MULTILINE), commands[:64])
+
+    def test_an_odd_number_of_samples_cannot_get_more(self):
+        self.render('--spp', '7', '--shard', '1/1', '--checkpoint', 'a')
+        self.render('--spp', '12', '--shard', '8:12', '--checkpoint', 'b')
+        why = 'no shard can begin at an odd sample: parts of a render with an odd --spp cannot be continued'
+        self.refuse(why, 'merge', 'a', 'b', '-o', 'z.exr')
+        result = self.run_one('merge', '--status', 'a', 'b')
+        self.assertEqual(result.returncode, 1)
+        self.assertIn(why, result.stdout)
+        self.assertNotIn('--shard', result.stdout)
+        status = json.loads(self.run_one('merge', '--status', 'a', 'b', '--json').stdout)
+        self.assertEqual(status['commands'], [])
+        self.assertIn(why, status['reason'])
+
+    def test_a_part_stopped_within_a_pass(self):
+        """It has no sample for merge and for its status, and both say how to finish it, for a shell."""
+        command = self.command('--spp', '100k', '--shard', '1/2', '--checkpoint', 'a b', '--wave', '64', '-q',
+                               size='100x80')
+        process = subprocess.Popen([LAMPYRIS, *command, '--checkpoint-every', '0'], cwd=self.folder.name)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        while not os.path.exists(self.path('a b')):
+            self.assertIsNone(process.poll())
+            time.sleep(0.01)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(), 143)
+        way = "--shard 0:51200 --checkpoint 'a b' --resume"
+        self.assertIn('no part has a sample yet', self.refuse(way, 'merge', 'a b', '-o', 'z.exr', '--partial'))
+        result = self.run_one('merge', '--status', 'a b')
+        self.assertIn(way, result.stdout)
+        self.assertIn('a b: samples 0:51200, unfinished, 0 %', result.stdout)
+        status = json.loads(self.run_one('merge', '--status', 'a b', '--json').stdout)
+        self.assertEqual(status['parts'][0]['has'], 'none')
+        self.assertIn(way, status['resumes'][0])
+
     def test_partial(self):
         parts = self.render_shards(4, '--spp', '32')
         result = self.succeed('merge', parts[1], parts[3], '--partial', '-o', 'p.exr', '--json', '-q')
@@ -667,7 +709,30 @@ class Mixed(Shards):
             self.assertLess(apart, 3.3)
         self.succeed('merge', 'a', '--checkpoint', 'one', '-q')
         self.succeed('merge', 'one', 'b', '--mixed', '--checkpoint', 'sum', '-q')
-        self.refuse('sum: is a sum of parts of several devices', 'merge', 'sum', '-o', 'z.exr')
+        self.refuse('sum: has samples of several devices; expected --mixed', 'merge', 'sum', '-o', 'z.exr')
+        # The sum keeps the names of its devices.
+        report = json.loads(self.succeed('merge', 'a', '--partial', '-o', 'n.exr', '--json', '-q').stdout)
+        name = f'{report["device"]} ({report["driver"]})'
+        for parts in (['sum'], ['a', 'b']):
+            result = self.succeed('merge', *parts, '--mixed', '-o', 'm.exr', '--json', '-q')
+            device = json.loads(result.stdout)['device']
+            self.assertIn('the parts come from 2 devices', result.stderr)
+            self.assertNotIn('expected --device', result.stderr)
+            self.assertIn('SwiftShader', device)
+            self.assertTrue(device.startswith(f'several devices: {name}; '), device)
+            self.assertIn(device.encode(), self.read('m.exr'))
+
+    def test_few_samples(self):
+        own = os.environ.get('VK_DRIVER_FILES', '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json')
+        if SWIFTSHADER in own:
+            self.skipTest('runs on the second driver already')
+        self.render('--spp', '9', '--shard', '0:8', '--checkpoint', 'a')
+        result = self.run_one(*self.command('--spp', '9', '--shard', '8:9', '--checkpoint', 'b', '-q'),
+                              VK_DRIVER_FILES=SWIFTSHADER, VK_ICD_FILENAMES=SWIFTSHADER)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        result = self.succeed('merge', 'a', 'b', '--mixed', '-o', 'm.exr', '-q')
+        self.assertIn('cannot be compared, because SwiftShader', result.stderr)
+        self.assertNotIn('nan', result.stderr)
 
 
 if __name__ == '__main__':

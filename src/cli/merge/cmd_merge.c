@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Maximum number of printed commands for missing samples; more would hide the other messages.
+// Maximum number of printed commands of each kind; more would hide the other messages.
 #define COMMANDS_MAX 64u
 
 // --- what is missing -----------------------------------------------------------------------------
@@ -51,29 +51,80 @@ static uint64_t longest_part(const struct merge *merge)
     return (longest + step - 1) / step * step;
 }
 
-static void print_commands(FILE *out, const struct merge *merge,
-                           const struct sample_ranges *missing)
+// Commands that render missing samples.
+struct commands {
+    const char **list;
+    uint32_t count, capacity;
+};
+
+static bool add_command(struct commands *to, struct merge *merge, const char *command,
+                        struct err *err)
+{
+    const char **added =
+        arena_append(&merge->arena, &to->list, &to->count, &to->capacity, sizeof *added, NULL);
+    if (!added || !command)
+        return err_memory(err, "commands", sizeof *added);
+    *added = command;
+    return true;
+}
+
+// Adds the commands that render samples, or rows, that belong to no part.
+static bool add_pieces(struct commands *out, struct merge *merge,
+                       const struct sample_ranges *missing, struct err *err)
 {
     const uint64_t piece = longest_part(merge);
-    uint32_t printed = 0;
     for (uint32_t i = 0; i < missing->count; i++)
         for (uint64_t at = missing->list[i].first, end; at < missing->list[i].end; at = end) {
             // A shard has at least two samples, so a single one at the end is added to the last
             // piece.
             end = at + piece + 1 < missing->list[i].end ? at + piece : missing->list[i].end;
-            if (printed++ < COMMANDS_MAX)
-                fprintf(out, "%s%s --shard %" PRIu64 ":%" PRIu64 "\n", merge->command,
-                        merge->by_tiles ? " --shard-by tiles" : "", at, end);
+            if (!add_command(out, merge,
+                             arena_printf(&merge->arena, "%s%s --shard %" PRIu64 ":%" PRIu64,
+                                          merge->command,
+                                          merge->by_tiles ? " --shard-by tiles" : "", at, end),
+                             err))
+                return false;
         }
-    if (printed > COMMANDS_MAX)
-        fprintf(out, "and %u more commands of this kind\n", printed - COMMANDS_MAX);
+    return true;
+}
+
+static bool is_unfinished(const struct merge_part *part)
+{
+    return part->wanted.count == 1 && count_samples(&part->samples) < count_samples(&part->wanted);
+}
+
+// Adds the commands that finish the unfinished parts.
+static bool add_resumes(struct commands *out, struct merge *merge, struct err *err)
+{
+    for (uint32_t i = 0; i < merge->count; i++) {
+        const struct merge_part *part = &merge->parts[i];
+        if (is_unfinished(part) &&
+            !add_command(out, merge, merge_resuming_command(merge, part, &merge->arena), err))
+            return false;
+    }
+    return true;
+}
+
+static void print_commands(FILE *out, const struct commands *all)
+{
+    for (uint32_t i = 0; i < all->count && i < COMMANDS_MAX; i++)
+        fprintf(out, "%s\n", all->list[i]);
+    if (all->count > COMMANDS_MAX)
+        fprintf(out,
+                "and %u more commands of this kind, all of which merge --status --json prints\n",
+                all->count - COMMANDS_MAX);
 }
 
 // The samples, or rows, that no part has so far, and those that no part will have when all shards
 // have finished.
 struct lacking {
     struct sample_ranges samples, unclaimed;
+    struct commands pieces, resumes; // render those of no part; finish the unfinished parts
+    bool has_odd_begin;              // those of no part begin at an odd sample, as no shard can
 };
+#define ODD_BEGIN                                                                                  \
+    "no shard can begin at an odd sample: parts of a render with an odd --spp cannot be "          \
+    "continued; expected parts of an even --spp, or --partial"
 
 static bool find_lacking(struct merge *merge, struct lacking *out, struct err *err)
 {
@@ -83,39 +134,13 @@ static bool find_lacking(struct merge *merge, struct lacking *out, struct err *e
             return false;
         wanted = joined;
     }
-    return samples_missing(&merge->samples, merge->all, &merge->arena, &out->samples, err) &&
-           samples_missing(&wanted, merge->all, &merge->arena, &out->unclaimed, err);
-}
-
-// Prints the command that finishes a part.
-static void print_resume(FILE *out, const struct merge *merge, const struct merge_part *part)
-{
-    const struct sample_range *range = &part->wanted.list[0];
-    char *path = malloc(4 * strlen(part->path) + 3);
-    if (!path)
-        return;
-    options_quote(part->path, path);
-    fprintf(out, "%s%s --shard %" PRIu64 ":%" PRIu64 " --checkpoint %s --resume\n", part->command,
-            merge->by_tiles ? " --shard-by tiles" : "", range->first, range->end, path);
-    free(path);
-}
-
-static bool is_unfinished(const struct merge_part *part)
-{
-    return part->wanted.count == 1 && count_samples(&part->samples) < count_samples(&part->wanted);
-}
-
-// Prints the commands that finish the unfinished parts, after `heading` unless that is NULL.
-static void print_resumes(FILE *out, const struct merge *merge, const char *heading)
-{
-    for (uint32_t i = 0; i < merge->count; i++) {
-        if (!is_unfinished(&merge->parts[i]))
-            continue;
-        if (heading)
-            fprintf(out, "%s\n", heading);
-        heading = NULL;
-        print_resume(out, merge, &merge->parts[i]);
-    }
+    if (!samples_missing(&merge->samples, merge->all, &merge->arena, &out->samples, err) ||
+        !samples_missing(&wanted, merge->all, &merge->arena, &out->unclaimed, err))
+        return false;
+    out->has_odd_begin =
+        !merge->by_tiles && out->unclaimed.count > 0 && out->unclaimed.list[0].first % 2 != 0;
+    return (out->has_odd_begin || add_pieces(&out->pieces, merge, &out->unclaimed, err)) &&
+           add_resumes(&out->resumes, merge, err);
 }
 
 // Reports missing samples, and refuses to write a picture without them unless --partial is given.
@@ -138,14 +163,12 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
         return true;
     }
     progress_end(options->progress);
-    if (!merge->by_tiles && lacking.unclaimed.count > 0 && lacking.unclaimed.list[0].first % 2 != 0)
+    if (lacking.has_odd_begin)
         return err_set(err, ERR_INPUT,
-                       "%" PRIu64 " of %" PRIu64 " %s are missing (%s), and no shard can begin at "
-                       "an odd sample: parts of a render with an odd --spp cannot be continued; "
-                       "expected parts of an even --spp, or --partial",
-                       count, merge->all, unit(merge), text);
-    print_resumes(stderr, merge, NULL); // standard output is for results
-    print_commands(stderr, merge, &lacking.unclaimed);
+                       "%" PRIu64 " of %" PRIu64 " %s are missing (%s), and " ODD_BEGIN, count,
+                       merge->all, unit(merge), text);
+    print_commands(stderr, &lacking.resumes); // standard output is for results
+    print_commands(stderr, &lacking.pieces);
     return err_set(err, ERR_INPUT,
                    "%" PRIu64 " of %" PRIu64 " %s are missing (%s): the commands above "
                    "render them; expected their parts, too, or --partial",
@@ -161,7 +184,7 @@ static void compare_devices(const struct merge *merge)
     log_warn(
         "the parts come from %u devices: the picture does not have the bits that one of them would "
         "make alone",
-        merge->device_count);
+        merge->name_count);
     if (merge->by_tiles) {
         log_info(
             "the devices' means are not compared, because parts by tiles have different pixels of "
@@ -170,6 +193,13 @@ static void compare_devices(const struct merge *merge)
     }
     for (uint32_t i = 1; i < merge->device_count; i++) {
         const struct merge_device *other = &merge->devices[i];
+        if (!one->has_mean || !other->has_mean) {
+            log_warn("the means of %s and %s cannot be compared, because %s has fewer than two "
+                     "samples in some pixels; expected at least two samples per pixel of each "
+                     "device",
+                     one->name, other->name, one->has_mean ? other->name : one->name);
+            continue;
+        }
         double difference = other->mean - one->mean;
         double error = hypot(other->standard_error, one->standard_error);
         // A normal distribution exceeds 3.3 standard errors once in 1000 times.
@@ -348,11 +378,14 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
     }
     printf("missing   %" PRIu64 " of %" PRIu64 " %s (%s)\n", missing, merge->all, unit(merge),
            text ? text : "");
-    if (lacking->unclaimed.count > 0)
+    if (lacking->has_odd_begin)
+        printf("some missing ones belong to none of these parts, and " ODD_BEGIN "\n");
+    else if (lacking->pieces.count > 0)
         printf("some missing ones belong to none of these parts; these commands render them:\n");
-    print_commands(stdout, merge, &lacking->unclaimed);
-    print_resumes(stdout, merge,
-                  "these commands finish the unfinished parts, unless their shards still run:");
+    print_commands(stdout, &lacking->pieces);
+    if (lacking->resumes.count > 0)
+        printf("these commands finish the unfinished parts, unless their shards still run:\n");
+    print_commands(stdout, &lacking->resumes);
 }
 
 static json_t *part_json(struct merge *merge, const struct merge_part *part)
@@ -368,14 +401,17 @@ static int print_status_json(struct merge *merge, const struct lacking *lacking)
 {
     const char *missing = samples_text(&lacking->samples, &merge->arena);
     const char *unclaimed = samples_text(&lacking->unclaimed, &merge->arena);
+    const struct commands *pieces = &lacking->pieces, *resumes = &lacking->resumes;
     json_t *parts = json_array();
     for (uint32_t i = 0; i < merge->count; i++)
         json_array_append_new(parts, part_json(merge, &merge->parts[i]));
-    return command_print(json_pack("{s:o, s:s, s:I, s:I, s:s, s:s}", "parts", parts, "by",
-                                   merge->by_tiles ? "tiles" : "samples", "planned",
-                                   (json_int_t)merge->planned, "all", (json_int_t)merge->all,
-                                   "missing", missing ? missing : "", "unclaimed",
-                                   unclaimed ? unclaimed : ""));
+    return command_print(json_pack(
+        "{s:o, s:s, s:I, s:I, s:s, s:s, s:o, s:o, s:o}", "parts", parts, "by",
+        merge->by_tiles ? "tiles" : "samples", "planned", (json_int_t)merge->planned, "all",
+        (json_int_t)merge->all, "missing", missing ? missing : "", "unclaimed",
+        unclaimed ? unclaimed : "", "commands", json_word_list(pieces->list, pieces->count),
+        "resumes", json_word_list(resumes->list, resumes->count), "reason",
+        lacking->has_odd_begin ? json_string(ODD_BEGIN) : json_null()));
 }
 
 static int show_status(const struct options *options)
@@ -432,7 +468,7 @@ static bool merge_parts(struct merge *merge, const struct options *options, bool
     if (!check_missing(merge, options, writes_picture, err) ||
         !merge_add_films(merge, options->progress, err))
         return false;
-    if (merge->device_count > 1)
+    if (merge->merged.devices)
         compare_devices(merge);
     return !kept || merge_write(merge, kept, err);
 }

@@ -226,6 +226,8 @@ bool render_print_json(const struct render_run *run, struct err *err)
     const struct film_image *film = &run->job.film;
     double render = run->job.seconds.render;
     char hash[20];
+    struct arena arena = {0};
+    const struct job_device device = job_device(&run->job, &arena);
     snprintf(hash, sizeof hash, "%016" PRIx64, run->job.image_hash);
     struct part_lists lists = {json_array(), json_array(),
                                run->options->render.explain ? &run->job.renderer : NULL};
@@ -234,14 +236,15 @@ bool render_print_json(const struct render_run *run, struct err *err)
         "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:I, s:o, s:I, s:o, s:o, s:o, "
         "s:o, s:I, "
         "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
-        "scene", json_words(run->scene.path), "device", run->gpu.info.name, "driver",
-        run->gpu.info.driver, "width", film->width, "height", film->height, "spp",
-        (json_int_t)film->least_samples, "spp_most", (json_int_t)film->most_samples, "seed",
-        (json_int_t)run->scene.settings.seed, "seconds", seconds_json(&run->job.seconds), "rays",
-        "closest", (json_int_t)stats->closest_rays, "shadow", (json_int_t)stats->shadow_rays,
-        "surface_hits", (json_int_t)surface_hits(stats), "hits_by_class",
-        classes_json(&run->job.renderer), "media_lost", (json_int_t)stats->media_lost,
-        "mrays_per_s", json_number(render_stats_rays(stats) * 1e-6 / render), "samples_per_s",
+        "scene", json_words(run->scene.path), "device",
+        device.name ? device.name : run->gpu.info.name, "driver", device.driver, "width",
+        film->width, "height", film->height, "spp", (json_int_t)film->least_samples, "spp_most",
+        (json_int_t)film->most_samples, "seed", (json_int_t)run->scene.settings.seed, "seconds",
+        seconds_json(&run->job.seconds), "rays", "closest", (json_int_t)stats->closest_rays,
+        "shadow", (json_int_t)stats->shadow_rays, "surface_hits", (json_int_t)surface_hits(stats),
+        "hits_by_class", classes_json(&run->job.renderer), "media_lost",
+        (json_int_t)stats->media_lost, "mrays_per_s",
+        json_number(render_stats_rays(stats) * 1e-6 / render), "samples_per_s",
         json_number(job_total_samples(&run->job) / render), "kernels",
         kernels_json(&run->job.renderer), "error", error_json(&run->job.error), "nonfinite",
         (json_int_t)nonfinite(stats), "frames_ms", frames_json(run), "features", "kept", lists.kept,
@@ -254,6 +257,7 @@ bool render_print_json(const struct render_run *run, struct err *err)
         json_word_list(run->outputs, run->output_count), "notes",
         json_word_list(run->scene.notes, run->scene.note_count), "stopped_early", run->job.stopped,
         "version", LAMPYRIS_VERSION);
+    arena_finish(&arena);
     add_ending(object, run);
     json_object_set_new(object, "integrator", integrator_json(run));
     json_object_set_new(object, "rows", json_pack("[i, i]", film->rows.first, film->rows.end));

@@ -352,7 +352,11 @@ void render_print_summary(struct render_run *run)
     if (run->window.width > 0)
         printf("window    from %u,%u of %u x %u pixels\n", run->window.x, run->window.y,
                run->scene.settings.width, run->scene.settings.height);
-    printf("device    %s (%s)\n", run->gpu.info.name, run->gpu.info.kind);
+    const struct job_device device = job_device(&run->job, &run->arena);
+    if (device.name && device.name != run->gpu.info.name)
+        print_line("device    ", device.name);
+    else
+        printf("device    %s (%s)\n", run->gpu.info.name, run->gpu.info.kind);
     print_notes(&run->scene);
     const struct flat_scene *flat = &run->job.renderer.flat;
     if (flat->dropped_degenerate || flat->skipped_instances)
