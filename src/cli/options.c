@@ -453,10 +453,10 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
         if (def && is_listed(def, &left_out))
             continue;
         for (int word = i; word < next && word < argc; word++) {
+            const char *folder = only_arguments ? options_folder_of(argv[word]) : "";
             *end++ = ' ';
-            if (only_arguments)
-                end = put(end, options_folder_of(argv[word]));
-            end = options_quote(argv[word], end);
+            memcpy(end, folder, strlen(folder));
+            end = options_quote(argv[word], end + strlen(folder));
         }
     }
     return line;
