@@ -312,9 +312,9 @@ struct compare_options {
 };
 
 struct merge_options {
-    bool partial; // write the picture even if samples are missing
-    bool mixed;   // the parts may be from several devices
-    bool status;  // print which samples the parts have, without adding them
+    bool partial;         // write the picture even if samples are missing
+    bool mixed;           // the parts may be from several devices
+    bool status;          // print which samples the parts have, without adding them
     const char *expected; // hash of the render that the parts must be of; NULL: any
 };
 

@@ -11,8 +11,8 @@
 static const char *common_lines(const char *identity, uint64_t samples, bool with_integrator,
                                 struct arena *arena)
 {
-    static const char *const left_out[] = {JOB_SHARD_LINE,
-                                           "device=", "driver=", JOB_INTEGRATOR_LINE};
+    static const char *const left_out[] = {JOB_SHARD_LINE, JOB_DEVICE_LINE, JOB_DRIVER_LINE,
+                                           JOB_INTEGRATOR_LINE};
     const char *lines =
         identity ? job_identity_without(identity, left_out, with_integrator ? 3 : 4, arena) : NULL;
     return lines ? arena_printf(arena, "%s--spp=%" PRIu64 "\n", lines, samples) : NULL;

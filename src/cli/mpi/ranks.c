@@ -13,9 +13,6 @@ enum { TAG_ORDER = 1, TAG_DONE };
 // Time between two checks for a message. The waiting functions of MPI keep a core busy, which CPU
 // drivers need.
 #define PAUSE_SECONDS 2e-4
-// Time after which the other processes print the message of the first one, too, if the program that
-// started them has not ended them.
-#define MISMATCH_SECONDS 2.0
 // Time in which a message arrives whose sender has ended. Open MPI kills ranks a second after
 // SIGTERM.
 #define ABORT_SECONDS 0.2
@@ -323,13 +320,8 @@ static bool join(struct ranks_context *c, struct err *err)
     ranks->crew.members = calloc((size_t)count, sizeof *ranks->crew.members);
     if (!c->cards || !ranks->crew.members)
         return err_memory(err, "ranks", (uint64_t)count * sizeof *c->cards);
-    if ((uint32_t)count == render_ranks_expected())
-        return true;
-    // Each process then takes itself for rank 0. The message of the launcher's first process is
-    // enough: mpirun usually ends the others while they wait.
-    if (render_ranks_launched_as() > 0)
-        clock_sleep(MISMATCH_SECONDS);
-    return err_set(err, ERR_USAGE,
+    return (uint32_t)count == render_ranks_expected() ||
+           err_set(err, ERR_USAGE,
                    "%u processes were started, but MPI knows %d; expected the mpirun of the MPI "
                    "that lampyris-mpi was built with",
                    render_ranks_expected(), count);
