@@ -354,8 +354,8 @@ class Missing(Shards):
         while not os.path.exists(self.path('a b')):
             self.assertIsNone(process.poll())
             time.sleep(0.01)
-        process.send_signal(signal.SIGTERM)
-        self.assertEqual(process.wait(), 143)
+        process.kill() # after few of the hundred waves of its first pass
+        process.wait()
         way = "--shard 0:51200 --checkpoint 'a b' --resume"
         self.assertIn('no part has a sample yet', self.refuse(way, 'merge', 'a b', '-o', 'z.exr', '--partial'))
         result = self.run_one('merge', '--status', 'a b')
