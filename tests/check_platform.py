@@ -19,8 +19,10 @@ ISO_HEADERS = {f'{name}.h' for name in (
 # Functions of these headers behave differently on other systems; files of src/base wrap them.
 ISO_HEADERS -= {'signal.h', 'locale.h', 'time.h'}
 LIBRARY_HEADERS = {'lampyris/lampyris.h', 'jansson.h', 'mpi.h', 'GLFW/glfw3.h', 'volk.h', 'openexr.h', 'meshoptimizer.h', 'png.h',
-                   'jpeglib.h', 'jerror.h', 'imgui.h', 'cglm/struct/vec3.h',
+                   'jpeglib.h', 'jerror.h', 'webp/decode.h', 'stb_image.h', 'imgui.h', 'cglm/struct/vec3.h',
                    'cstring', 'cstddef',  # headers of C++, for Dear ImGui
+                   'cstdio', 'exception', 'memory', 'draco/compression/decode.h', 'draco/core/decoder_buffer.h',
+                   'draco/mesh/mesh.h',  # of C++, for Draco
                    'sanitizer/asan_interface.h'}
 # Headers of which only types are used: struct mutex contains a mutex by value.
 TYPES = {'base/thread.h': {'pthread.h'}}
@@ -44,7 +46,7 @@ ISO_FUNCTIONS = {name + suffix for name in MATHS for suffix in ('', 'f')} | set(
     strdup'''.split())  # of C23, and on every system
 # Names that compilers and C libraries substitute for these functions.
 HIDDEN = re.compile(r'__\w+|bcmp|_GLOBAL_OFFSET_TABLE_|_setjmp|sincosf?|_Z\w+|_Unwind_\w+')
-LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|meshopt|glfw|vk|volk|ImGui|MPI_|ompi_)\w*')
+LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|WebP|stbi_|meshopt|glfw|vk|volk|ImGui|MPI_|ompi_)\w*')
 LOADER = {'gpu/volk.c': {'dlopen', 'dlsym', 'dlclose'}}  # volk's own code, compiled by this file
 
 

@@ -105,14 +105,28 @@ bool job_advance_crew_once(struct job *job, const struct job_step *step, struct 
 bool job_hold(struct job *job, const struct sample_range *block, struct err *err);
 // Makes `range` the only one in job->held; it may be empty.
 bool job_hold_only(struct job *job, const struct sample_range *range, struct err *err);
+// The name of a file of saved blocks: that of the checkpoint, this, and its first sample.
+#define BLOCKS_MARK ".blocks-"
+// The first samples of files of saved blocks.
+struct blocks_firsts {
+    uint64_t *list;
+    uint32_t count, capacity;
+};
+// Lists the files of blocks saved beside the checkpoint at `path`. If the folder cannot be read,
+// the list is empty.
+void blocks_list(const char *path, struct arena *arena, struct blocks_firsts *out);
+// Returns the lines of an identity that do not depend on which samples a film has.
+const char *blocks_identity(const char *identity, struct arena *arena);
 // Fails with ERR_INPUT if ranks of a lost run have saved blocks beside the checkpoint at `path`.
 bool job_check_no_blocks(const char *path, struct err *err);
+// Removes saved blocks of this render that are in the checkpoint.
+void job_remove_blocks(const struct job *job);
+
+// --- blocks_add.c ---
 // For a render that is resumed: reads the blocks that ranks of a lost run have saved.
 bool job_open_blocks(struct job *job, struct err *err);
 // Renders the samples between the saved blocks, and adds the blocks to the film.
 bool job_fill_blocks(struct job *job, struct err *err);
-// Removes saved blocks of this render that are in the checkpoint.
-void job_remove_blocks(const struct job *job);
 
 // --- shard.c ---
 // Determines the samples or rows of a shard; does nothing for other jobs. Fails with ERR_USAGE if

@@ -4,6 +4,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+uint64_t samples_count(const struct sample_ranges *ranges)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < ranges->count; i++)
+        count += ranges->list[i].end - ranges->list[i].first;
+    return count;
+}
+
 struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t samples)
 {
     // There are at most 2^31 pairs, so the products fit into 64 bits.

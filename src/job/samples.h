@@ -31,6 +31,9 @@ struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t sam
 // `side` rows high. There must be at least one row of tiles per part.
 struct sample_range rows_of_part(uint32_t index, uint32_t count, uint32_t rows, uint32_t side);
 
+// Returns the number of samples, or rows, in all ranges.
+uint64_t samples_count(const struct sample_ranges *ranges);
+
 // Parses "FIRST:END". Returns the rest of the text, or NULL if the text does not begin like that.
 const char *samples_parse_range(const char *text, struct sample_range *out);
 // Parses ascending ranges, "FIRST:END,FIRST:END ...". Returns false if the text has another form,

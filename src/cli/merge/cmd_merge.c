@@ -28,15 +28,6 @@ static const char *unit(const struct merge *merge)
     return merge->by_tiles ? "rows" : "samples per pixel";
 }
 
-// Returns the number of samples, or rows, in all ranges.
-static uint64_t count_samples(const struct sample_ranges *ranges)
-{
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < ranges->count; i++)
-        count += ranges->list[i].end - ranges->list[i].first;
-    return count;
-}
-
 // Returns the largest number of samples, or rows, of a part. Missing samples are split into pieces
 // of that length, which can be rendered at the same time.
 static uint64_t longest_part(const struct merge *merge)
@@ -90,7 +81,7 @@ static bool add_pieces(struct commands *out, struct merge *merge,
 
 static bool is_unfinished(const struct merge_part *part)
 {
-    return part->wanted.count == 1 && count_samples(&part->samples) < count_samples(&part->wanted);
+    return part->wanted.count == 1 && samples_count(&part->samples) < samples_count(&part->wanted);
 }
 
 // Adds the commands that finish the unfinished parts.
@@ -155,7 +146,7 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
     const char *text = samples_text(&lacking.samples, &merge->arena);
     if (!text)
         return err_memory(err, "ranges of samples", 64);
-    const uint64_t count = count_samples(&lacking.samples);
+    const uint64_t count = samples_count(&lacking.samples);
     merge->merged.is_partial = true;
     if (options->merge.partial) {
         log_warn("%" PRIu64 " of %" PRIu64 " %s are missing (%s): the picture has only the others",
@@ -362,7 +353,7 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
 {
     for (uint32_t i = 0; i < merge->count; i++) {
         const struct merge_part *part = &merge->parts[i];
-        const uint64_t has = count_samples(&part->samples), wanted = count_samples(&part->wanted);
+        const uint64_t has = samples_count(&part->samples), wanted = samples_count(&part->wanted);
         const char *samples = samples_text(&part->wanted, &merge->arena);
         printf("part      ");
         print_words(part->path);
@@ -370,7 +361,7 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
                samples ? samples : "", has == wanted ? "finished" : "unfinished",
                100.0 * (double)has / (double)wanted);
     }
-    const uint64_t missing = count_samples(&lacking->samples);
+    const uint64_t missing = samples_count(&lacking->samples);
     const char *text = samples_text(&lacking->samples, &merge->arena);
     if (missing == 0) {
         printf("complete  all %" PRIu64 " %s\n", merge->all, unit(merge));
@@ -394,7 +385,7 @@ static json_t *part_json(struct merge *merge, const struct merge_part *part)
     const char *has = samples_text(&part->samples, &merge->arena);
     return json_pack("{s:o, s:s, s:s, s:b}", "part", json_words(part->path), "wanted",
                      wanted ? wanted : "", "has", has ? has : "", "finished",
-                     count_samples(&part->samples) == count_samples(&part->wanted));
+                     samples_count(&part->samples) == samples_count(&part->wanted));
 }
 
 static int print_status_json(struct merge *merge, const struct lacking *lacking)

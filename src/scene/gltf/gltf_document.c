@@ -326,16 +326,6 @@ static bool allocate_accessors(struct gltf_document *document, struct err *err)
            gltf_no_memory(document, "accessors", count * sizeof(void *), err);
 }
 
-static bool decode_meshes(struct gltf_document *document, struct err *err)
-{
-#ifdef HAS_DRACO
-    return gltf_draco_decode(document, err);
-#else
-    (void)document, (void)err;
-    return true;
-#endif
-}
-
 bool gltf_document_open(struct gltf_document *document, const struct gltf_source *source,
                         struct err *err)
 {
@@ -343,8 +333,7 @@ bool gltf_document_open(struct gltf_document *document, const struct gltf_source
     struct glb_chunks chunks;
     return open_container(source, &chunks, err) && parse_json(document, &chunks.json, err) &&
            check_frame(document, err) && gltf_buffers_load(document, &chunks.binary, err) &&
-           gltf_meshopt_decode(document, err) && allocate_accessors(document, err) &&
-           decode_meshes(document, err);
+           gltf_meshopt_decode(document, err) && allocate_accessors(document, err);
 }
 
 void gltf_document_close(struct gltf_document *document)

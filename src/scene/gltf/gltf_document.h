@@ -63,7 +63,8 @@ struct gltf_document {
     const char *ignored_extensions; // "A, B": unknown extensions that the file uses; NULL: none
 };
 
-// Parses and checks *source, which must outlive *document, and loads all buffers.
+// Parses and checks *source, which must outlive *document, and loads all buffers. Compressed meshes
+// are not decoded (gltf_draco_decode()).
 bool gltf_document_open(struct gltf_document *document, const struct gltf_source *source,
                         struct err *err);
 void gltf_document_close(struct gltf_document *document); // accepts {0} and partly opened ones

@@ -4,6 +4,7 @@
 
 #include "base/hash.h"
 #include "scene/core/affine.h"
+#include "scene/gltf/gltf_buffer.h"
 #include "scene/gltf/gltf_node.h"
 #include "scene/gltf/gltf_pose.h"
 #include "scene/mesh/mesh_loader.h"
@@ -303,6 +304,17 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     return note_what_is_missing(load, err);
 }
 
+// Decodes compressed meshes. A build without libdraco has refused files that require this.
+static bool decode_meshes(struct gltf_document *document, struct err *err)
+{
+#ifdef HAS_DRACO
+    return gltf_draco_decode(document, err);
+#else
+    (void)document, (void)err;
+    return true;
+#endif
+}
+
 bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params, struct err *err)
 {
     struct gltf_load load = {
@@ -310,8 +322,8 @@ bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params,
         .progress = params->progress,
         .default_material = SCENE_NONE,
     };
-    bool ok =
-        gltf_document_open(&load.document, &params->source, err) && convert(&load, params, err);
+    bool ok = gltf_document_open(&load.document, &params->source, err) &&
+              decode_meshes(&load.document, err) && convert(&load, params, err);
     gltf_document_close(&load.document);
     return ok;
 }
