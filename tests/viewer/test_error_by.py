@@ -9,7 +9,7 @@ import subprocess
 import viewer_run
 from viewer_run import LAMPYRIS, Case
 
-SIZE = '80x60'
+SIZE = '80x240' # high enough for a control below the panel's tabs
 
 
 class ErrorBy(Case):
