@@ -48,7 +48,7 @@ ROOMS = {
     'cli/render': ['cli'],
     'cli/merge': ['cli/render'],
     'cli/mpi': ['cli/render'],
-    'cli/submit': ['cli'],
+    'cli/submit': ['cli/render'],
     'cli/info': ['cli'],
     'cli/bench': ['cli'],
     'cli/converge': ['cli'],
