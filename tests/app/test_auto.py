@@ -7,8 +7,9 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import unittest
+
+import program
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
@@ -21,14 +22,7 @@ LIGHT_KERNELS = {'generate_light_rays', 'shade_light', 'intersect_camera', 'add_
 WORTH_A_PILOT = ('--error', '10')
 
 
-class Auto(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-
-    def path(self, name):
-        return os.path.join(self.folder.name, name)
-
+class Auto(program.FolderCase):
     def ball(self, material, *shapes, lights=()):
         """Writes a scene of a floor and a ball, and returns its path."""
         with open(self.path('ball.json'), 'w', encoding='utf-8') as file:
@@ -44,7 +38,7 @@ class Auto(unittest.TestCase):
 
     def run_program(self, *arguments):
         result = subprocess.run([LAMPYRIS, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                cwd=self.folder.name, timeout=300)
+                                cwd=self.folder, timeout=300)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout
 

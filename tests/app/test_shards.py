@@ -692,14 +692,20 @@ class Killed(Shards):
 
 @unittest.skipUnless(os.path.exists(SWIFTSHADER), 'there is no second driver')
 class Mixed(Shards):
-    def test_two_drivers(self):
-        own = os.environ.get('VK_DRIVER_FILES', '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json')
-        if SWIFTSHADER in own:
+    def setUp(self):
+        super().setUp()
+        if SWIFTSHADER in os.environ.get('VK_DRIVER_FILES', ''):
             self.skipTest('runs on the second driver already')
-        self.render('--spp', '64', '--shard', '1/2', '--checkpoint', 'a')
-        result = self.run_one(*self.command('--spp', '64', '--shard', '2/2', '--checkpoint', 'b', '-q'),
-                              VK_DRIVER_FILES=SWIFTSHADER, VK_ICD_FILENAMES=SWIFTSHADER)
+
+    def render_elsewhere(self, *arguments):
+        """Renders on the second driver."""
+        result = self.run_one(*self.command(*arguments, '-q'), VK_DRIVER_FILES=SWIFTSHADER,
+                              VK_ICD_FILENAMES=SWIFTSHADER)
         self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_two_drivers(self):
+        self.render('--spp', '64', '--shard', '1/2', '--checkpoint', 'a')
+        self.render_elsewhere('--spp', '64', '--shard', '2/2', '--checkpoint', 'b')
         self.refuse('b: was made with device=', 'merge', 'a', 'b', '-o', 'z.exr')
         for pair in (['a', 'b'], ['b', 'a']):
             result = self.succeed('merge', *pair, '--mixed', '-o', 'm.exr', '--json', '-q',
@@ -723,13 +729,8 @@ class Mixed(Shards):
             self.assertIn(device.encode(), self.read('m.exr'))
 
     def test_few_samples(self):
-        own = os.environ.get('VK_DRIVER_FILES', '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json')
-        if SWIFTSHADER in own:
-            self.skipTest('runs on the second driver already')
         self.render('--spp', '9', '--shard', '0:8', '--checkpoint', 'a')
-        result = self.run_one(*self.command('--spp', '9', '--shard', '8:9', '--checkpoint', 'b', '-q'),
-                              VK_DRIVER_FILES=SWIFTSHADER, VK_ICD_FILENAMES=SWIFTSHADER)
-        self.assertEqual(result.returncode, 0, result.stderr)
+        self.render_elsewhere('--spp', '9', '--shard', '8:9', '--checkpoint', 'b')
         result = self.succeed('merge', 'a', 'b', '--mixed', '-o', 'm.exr', '-q')
         self.assertIn('cannot be compared, because SwiftShader', result.stderr)
         self.assertNotIn('nan', result.stderr)
