@@ -12,7 +12,15 @@ extern "C" {
 
 struct draco_mesh;
 
-enum draco_type { DRACO_I8, DRACO_U8, DRACO_I16, DRACO_U16, DRACO_U32, DRACO_F32 };
+// The types of numbers, with the values of enum component_type (gltf_accessor.h).
+enum draco_type {
+    DRACO_I8 = 0,
+    DRACO_U8 = 1,
+    DRACO_I16 = 2,
+    DRACO_U16 = 3,
+    DRACO_U32 = 5,
+    DRACO_F32 = 6,
+};
 
 // Returns NULL if the data are no valid mesh, with the library's reason in *message, or if there is
 // no memory, with an empty message.

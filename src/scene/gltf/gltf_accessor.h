@@ -57,7 +57,7 @@ struct accessor_view {
 bool accessor_view(const struct gltf_document *document, uint32_t index,
                    const struct accessor_rule *rule, struct accessor_view *out, struct err *err);
 
-// What an accessor says of its elements. Their bytes are not looked at.
+// The layout that an accessor declares for its elements. Their bytes are not read.
 struct accessor_layout {
     struct json_node node; // for messages
     uint32_t count, components, component_size;

@@ -14,27 +14,13 @@ struct primitive {
     struct draco_mesh *mesh;
 };
 
-static enum draco_type draco_type(enum component_type type)
-{
-    switch (type) {
-    case COMPONENT_I8:
-        return DRACO_I8;
-    case COMPONENT_U8:
-        return DRACO_U8;
-    case COMPONENT_I16:
-        return DRACO_I16;
-    case COMPONENT_U16:
-        return DRACO_U16;
-    case COMPONENT_U32:
-        return DRACO_U32;
-    case COMPONENT_F32:
-        break;
-    }
-    return DRACO_F32;
-}
+_Static_assert(COMPONENT_I8 == (int)DRACO_I8 && COMPONENT_U8 == (int)DRACO_U8 &&
+                   COMPONENT_I16 == (int)DRACO_I16 && COMPONENT_U16 == (int)DRACO_U16 &&
+                   COMPONENT_U32 == (int)DRACO_U32 && COMPONENT_F32 == (int)DRACO_F32,
+               "a component type is cast to a type of Draco");
 
-// Reads what an accessor says of its elements, and allocates them. *out is NULL if the accessor has
-// been decoded already, because several primitives use it.
+// Reads the layout that an accessor declares, and allocates its elements. *out is NULL if the
+// accessor has been decoded already, because several primitives use it.
 static bool allocate(struct gltf_document *document, uint32_t accessor, uint64_t decoded,
                      struct accessor_layout *layout, void **out, struct err *err)
 {
@@ -66,8 +52,8 @@ static bool decode_attribute(struct gltf_document *document, const struct primit
         return false;
     if (!data)
         return true;
-    if (!draco_mesh_read(primitive->mesh, (uint32_t)id, draco_type(layout.type), layout.components,
-                         data))
+    if (!draco_mesh_read(primitive->mesh, (uint32_t)id, (enum draco_type)layout.type,
+                         layout.components, data))
         return node_fail(&primitive->its_attributes, err,
                          "%s: the compressed mesh has no attribute %u that fits its accessor", key,
                          (unsigned)id);
