@@ -92,6 +92,9 @@ bool file_writer_commit(struct file_writer *writer, struct err *err);
 // Removes the temporary file unless it was committed. Accepts NULL and closed writers.
 void file_writer_finish(struct file_writer *writer);
 
+// Returns whether `name`, without its folder, is that of a writer's temporary file.
+bool file_is_temporary(const char *name);
+
 // Opens a writer, writes the data and commits.
 bool file_write_atomic(const char *path, const void *data, size_t size, struct err *err);
 // As file_write_atomic(), but may replace an input of this run.

@@ -57,6 +57,9 @@ static char *folder_of(const char *path)
     return folder;
 }
 
+// Temporary files are named TEMPORARY_BEGIN, numbers, TEMPORARY_END.
+#define TEMPORARY_BEGIN ".lampyris-"
+#define TEMPORARY_END ".tmp"
 enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64, BLOCK_BYTES = 1 << 16 };
 
 // Allocates temporary_path. Temporary names are short, so that they fit even if the output's name
@@ -71,8 +74,16 @@ static bool temporary_path_allocate(struct file_writer *writer, struct err *err)
 static void temporary_path_print(struct file_writer *writer, int attempt)
 {
     int folder = folder_length(writer->path);
-    snprintf(writer->temporary_path, (size_t)folder + NAME_BYTES, "%.*s.lampyris-%ld-%d.tmp",
-             folder, writer->path, (long)process_id(), attempt);
+    snprintf(writer->temporary_path, (size_t)folder + NAME_BYTES,
+             "%.*s" TEMPORARY_BEGIN "%ld-%d" TEMPORARY_END, folder, writer->path,
+             (long)process_id(), attempt);
+}
+
+bool file_is_temporary(const char *name)
+{
+    const size_t length = strlen(name), end = strlen(TEMPORARY_END);
+    return strncmp(name, TEMPORARY_BEGIN, strlen(TEMPORARY_BEGIN)) == 0 && length > end &&
+           strcmp(name + length - end, TEMPORARY_END) == 0;
 }
 
 static void temporary_path_forget(struct file_writer *writer)

@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MARK BLOCKS_MARK
-
 // --- the samples of a film -----------------------------------------------------------------------
 
 bool job_hold(struct job *job, const struct sample_range *block, struct err *err)
@@ -62,7 +60,7 @@ static bool write_blocks(struct job *job, const char *path, struct arena *arena,
                    ? arena_printf(arena, "%s" JOB_SHARD_BY_LINE "samples\n" JOB_SHARD_LINE "%s\n",
                                   identity, samples)
                    : NULL;
-    const char *name = arena_printf(arena, "%s" MARK "%" PRIu64, path, held->list[0].first);
+    const char *name = arena_printf(arena, "%s" BLOCKS_MARK "%" PRIu64, path, held->list[0].first);
     struct film_copy film;
     if (!identity || !name)
         return err_memory(err, "saved blocks", CHECKPOINT_TEXT_MAX);
@@ -99,9 +97,10 @@ static bool parse_name(const char *name, const char *checkpoint, uint64_t *first
 {
     const size_t length = strlen(checkpoint);
     char *end;
-    if (strncmp(name, checkpoint, length) != 0 || strncmp(name + length, MARK, strlen(MARK)) != 0)
+    if (strncmp(name, checkpoint, length) != 0 ||
+        strncmp(name + length, BLOCKS_MARK, strlen(BLOCKS_MARK)) != 0)
         return false;
-    name += length + strlen(MARK);
+    name += length + strlen(BLOCKS_MARK);
     const bool is_number = *name >= '0' && *name <= '9' && (*name != '0' || name[1] == '\0');
     *first = is_number ? strtoull(name, &end, 10) : 0;
     return is_number && *end == '\0';
@@ -132,7 +131,8 @@ bool job_check_no_blocks(const char *path, struct err *err)
     const bool is_free = firsts.count == 0;
     if (!is_free)
         err_set(err, ERR_INPUT,
-                "%s" MARK "%" PRIu64 ": exists already, with samples that a rank of a lost run has "
+                "%s" BLOCKS_MARK "%" PRIu64
+                ": exists already, with samples that a rank of a lost run has "
                 "saved; expected --resume, to continue from it, or another name",
                 path, firsts.list[0]);
     arena_finish(&arena);
@@ -148,7 +148,8 @@ void job_remove_blocks(const struct job *job)
         return;
     blocks_list(params->path, &arena, &firsts);
     for (uint32_t i = 0; i < firsts.count; i++) {
-        const char *name = arena_printf(&arena, "%s" MARK "%" PRIu64, params->path, firsts.list[i]);
+        const char *name =
+            arena_printf(&arena, "%s" BLOCKS_MARK "%" PRIu64, params->path, firsts.list[i]);
         if (name && firsts.list[i] < job->renderer.next_sample)
             file_remove(name);
     }

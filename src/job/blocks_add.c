@@ -26,22 +26,15 @@ static bool read_ranges(const struct checkpoint *c, struct arena *arena, struct 
            err_set(err, ERR_INPUT, "%s: its list of samples is not readable", c->path);
 }
 
-// Reads the film into `records` or, with `adds`, adds it to them.
-static bool read_film(struct job *job, struct checkpoint *c, char *records, bool adds,
-                      bool precedes, struct arena *arena, struct err *err)
+static bool read_film(struct checkpoint *c, char *records, struct arena *arena, struct err *err)
 {
-    const uint32_t aovs = job->renderer.specialization.aovs;
-    const uint64_t record = 16 * AOV_FILM_WORDS(aovs);
     char *block = ARENA_NEW(arena, char, CHECKPOINT_BLOCK_BYTES);
     if (!block)
         return err_memory(err, "a block of a film", CHECKPOINT_BLOCK_BYTES);
     for (uint64_t at = 0, bytes; (bytes = checkpoint_next_bytes(c)) > 0; at += bytes) {
         if (!checkpoint_next_block(c, block, err))
             return false;
-        if (adds)
-            film_records_add(aovs, block, records + at, bytes / record, precedes);
-        else
-            memcpy(records + at, block, bytes);
+        memcpy(records + at, block, bytes);
     }
     return true;
 }
@@ -67,7 +60,7 @@ static bool replace_base(struct job *job, struct checkpoint *c, const struct sam
     film.records = ARENA_NEW(arena, char, film_copy_bytes(r));
     if (!film.records)
         return err_memory(err, "a film", film_copy_bytes(r));
-    if (!read_film(job, c, film.records, false, false, arena, err))
+    if (!read_film(c, film.records, arena, err))
         return false;
     memcpy(&job->looks_error, &c->note[JOB_NOTE_ERROR], sizeof job->looks_error);
     job->next_look = c->note[JOB_NOTE_NEXT_LOOK];
@@ -100,7 +93,7 @@ static bool add_film(struct job *job, struct checkpoint *c, const struct sample_
     char *records = ARENA_NEW(arena, char, bytes);
     if (!records)
         return err_memory(err, "a film", bytes);
-    if (!read_film(job, c, records, false, false, arena, err) ||
+    if (!read_film(c, records, arena, err) ||
         !samples_join(&saved->ranges, ranges, &saved->arena, &joined, err))
         return false;
     if (!to->records && !(to->records = ARENA_NEW(&saved->arena, char, bytes)))

@@ -49,7 +49,7 @@ static bool compare(struct job *job, const struct checkpoint *c, struct arena *a
     const char *was = common_lines(c->identity, c->note[JOB_NOTE_SAMPLES], knows_integrator, arena);
     if (!is || !was)
         return err_memory(err, "what parts have in common", CHECKPOINT_TEXT_MAX);
-    if (strstr(c->identity, "\n" JOB_SHARD_LINE "none"))
+    if (!job_identity_is_part(c->identity))
         return err_set(err, ERR_INPUT, "%s: is the checkpoint of a whole render", c->path);
     return checkpoint_compare(c->path, was, "this render", is, err);
 }

@@ -174,6 +174,11 @@ static const char *make_identity(struct job *job)
     return text.so_far;
 }
 
+bool job_identity_is_part(const char *identity)
+{
+    return !strstr(identity, "\n" JOB_SHARD_LINE "none");
+}
+
 const char *job_identity_without(const char *identity, const char *const *names, uint32_t count,
                                  struct arena *arena)
 {

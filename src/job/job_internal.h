@@ -36,6 +36,8 @@ _Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
 // out of memory.
 const char *job_identity_without(const char *identity, const char *const *names, uint32_t count,
                                  struct arena *arena);
+// Returns whether the identity is that of a part, not of a whole render.
+bool job_identity_is_part(const char *identity);
 
 // --- job.c ---
 // Returns whether the number of samples depends on a time limit or on the errors of tiles.

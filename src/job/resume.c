@@ -19,7 +19,7 @@ static bool is_there(const char *path)
 // A shard continues from a part, and a whole render from the checkpoint of a whole render.
 static bool check_kind(const struct job *job, const struct checkpoint *c, struct err *err)
 {
-    bool is_part = !strstr(c->identity, "\n" JOB_SHARD_LINE "none");
+    bool is_part = job_identity_is_part(c->identity);
     if (is_part == job_is_shard(job))
         return true;
     return is_part

@@ -2,7 +2,6 @@
 
 #include "render/tables/emitters.h"
 #include "scene/core/scene.h"
-#include <math.h>
 
 // Surfaces with a greater alpha (roughness 0.3) do not count. Balls of metal and of glass with this
 // alpha, under a small lamp, had the same errors by path and by bidir, within 2 %
@@ -52,8 +51,10 @@ static enum sharpness of_material(const struct scene *scene, const struct materi
     case MATERIAL_PRINCIPLED:
         return of_principled(scene, m);
     case MATERIAL_PHONG:
-    case MATERIAL_BLINN_PHONG: // alpha as a function of the exponent: Walter et al. 2007, sec. 5.3
-        return sharper(of_alpha(sqrtf(2.0f / (m->exponent + 2.0f))), IS_DULL);
+    case MATERIAL_BLINN_PHONG: {
+        double roughness = material_phong_roughness((double)m->exponent);
+        return of_alpha((float)(roughness * roughness));
+    }
     default:
         return of_roughness(scene, m, PARAMETER_ROUGHNESS);
     }

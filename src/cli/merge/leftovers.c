@@ -11,13 +11,6 @@
 // to minutes, and the clock of a file server hardly differs by an hour from that of this machine.
 #define STALE_SECONDS 3600.0
 
-static bool is_temporary(const char *name)
-{
-    const size_t length = strlen(name), end = strlen(".tmp");
-    return strncmp(name, ".lampyris-", strlen(".lampyris-")) == 0 && length > end &&
-           strcmp(name + length - end, ".tmp") == 0;
-}
-
 static bool is_stale(const char *path)
 {
     struct file_status status;
@@ -30,7 +23,8 @@ static void remove_temporaries(const char *folder, struct arena *arena)
 {
     struct folder_reader *reader = folder_open(*folder ? folder : ".");
     for (const char *name; reader && (name = folder_next(reader));) {
-        const char *path = is_temporary(name) ? arena_printf(arena, "%s%s", folder, name) : NULL;
+        const char *path =
+            file_is_temporary(name) ? arena_printf(arena, "%s%s", folder, name) : NULL;
         if (path && is_stale(path))
             file_remove(path);
     }
