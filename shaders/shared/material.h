@@ -190,8 +190,8 @@
 #define TEXTURE_NEAREST (1u << 4)
 #define TEXTURE_UV1 (1u << 5)   // the second UV set
 #define TEXTURE_FLOAT (1u << 6) // texels of four floats, else of four 8-bit codes
-// Of codes: red, green and blue are sRGB-encoded; green becomes
-// transform[0][3] + transform[1][3] * green.
+// For images of codes. TEXTURE_SRGB: red, green and blue are sRGB-encoded. TEXTURE_GREEN: green is
+// replaced by transform[0][3] + transform[1][3] * green.
 #define TEXTURE_SRGB (1u << 7)
 #define TEXTURE_GREEN (1u << 10)
 // The texture's use.

@@ -6,8 +6,8 @@
 #include <math.h>
 
 enum {
-    // As in error_interval.c, tiles count as independent. The noise of pixels is independent, so
-    // tiles may be smaller if otherwise there would be too few.
+    // The forecast treats tiles as independent, as error_interval.c does. The noise of pixels is
+    // independent, so tiles may be smaller if otherwise there would be too few.
     TILE_SIDE = 8,
     TILES_WANTED = 16, // number of tiles below which smaller tiles are chosen
     TILES_MIN = 4,

@@ -57,7 +57,8 @@ struct checkpoint {
 // valid. Close *out with checkpoint_close().
 bool checkpoint_open(const char *path, struct arena *arena, struct checkpoint *out,
                      struct err *err);
-// As checkpoint_open(), but for an open file. On failure the file still belongs to the caller.
+// Opens a checkpoint as checkpoint_open() does, but from an open file. On failure the file still
+// belongs to the caller.
 bool checkpoint_read(FILE *file, const char *path, struct arena *arena, struct checkpoint *out,
                      struct err *err);
 void checkpoint_close(struct checkpoint *checkpoint); // accepts NULL and {0}

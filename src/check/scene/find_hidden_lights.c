@@ -21,7 +21,7 @@ enum aim {
 // A light, or a part of a lamp or of the environment, at which shadow rays are directed.
 struct target {
     bool is_delta; // the target is one of the scene's delta lights
-    // Whether scattered paths find this target, a direction of the environment, about as often as
+    // True if scattered paths find this target, a direction of the environment, about as often as
     // shadow rays do.
     bool is_common;
     uint32_t light;  // index of the light in the scene, or SCENE_NONE

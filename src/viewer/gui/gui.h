@@ -117,7 +117,8 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
 void gui_group_end(struct gui *gui);
 void gui_enabled(struct gui *gui,
                  bool enabled); // applies to the controls that follow, until a group begins or ends
-// As gui_enabled(), but controls that do not apply are drawn only if they are searched for.
+// Has the effect of gui_enabled(). In addition, controls that do not apply are drawn only if the
+// user searches for them.
 void gui_applies(struct gui *gui, bool applies);
 // Returns whether texts that follow are drawn; if not, texts need not be formatted.
 bool gui_is_drawn(const struct gui *gui);
